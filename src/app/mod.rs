@@ -44,6 +44,7 @@ use tasks::engine::Engine;
 use tasks::flank_runs::FlankRunWork;
 use tasks::listing::ListingWork;
 use tasks::machine::MachineWork;
+use tasks::machine_name::MachineNames;
 use tasks::program_watch::ProgramWatch;
 use tasks::programs::JudgedFlank;
 use tasks::scrub::{InspectedSection, TimelineStock};
@@ -84,6 +85,7 @@ pub struct App {
     inspected: InspectedSection,
     /// The shown program on its machine.
     machining: MachineWork,
+    machine_names: MachineNames,
     /// The text of the shown program.
     listing: ListingWork,
     program_watch: ProgramWatch,
@@ -156,6 +158,7 @@ impl App {
             scrubbed: TimelineStock::new(&repaint(&cc.egui_ctx)),
             inspected: InspectedSection::new(&repaint(&cc.egui_ctx)),
             machining: MachineWork::new(&repaint(&cc.egui_ctx)),
+            machine_names: MachineNames::new(&repaint(&cc.egui_ctx)),
             listing: ListingWork::new(&repaint(&cc.egui_ctx)),
             program_watch: ProgramWatch::new(&repaint(&cc.egui_ctx)),
             flank_runs: FlankRunWork::new(&repaint(&cc.egui_ctx)),
@@ -255,6 +258,7 @@ impl App {
             || self.scrubbed.is_busy()
             || self.inspected.is_busy()
             || self.machining.is_busy()
+            || self.machine_names.is_busy()
             || self.listing.is_busy()
             || self.flank_runs.is_busy()
             || self.assessing.is_busy()
@@ -308,20 +312,6 @@ impl App {
             Some(LibraryAnswer::Command(command)) => self.run_command(ui.ctx(), command),
             Some(LibraryAnswer::Taken(text)) => self.state.report_done(text),
             None => {}
-        }
-    }
-
-    fn note_first_picture(&mut self) {
-        if let (Some(start), None) = (self.start, self.first_picture) {
-            let is_timing = std::env::var_os("VANECUT_TIMES").is_some();
-            if let Some(pictures) = self.pictures.as_ref().filter(|_| is_timing) {
-                pictures.wait();
-            }
-            let took = start.elapsed();
-            self.first_picture = Some(took);
-            if is_timing {
-                eprintln!("vanecut: first picture after {:.0} ms", 1e3 * took.as_secs_f64());
-            }
         }
     }
 
@@ -398,6 +388,10 @@ impl eframe::App for App {
         self.judged_flank.forget_replaced();
         self.state.results.check_is_running = self.work.is_calculating(Operation::Program);
         self.state.results.on_machine = self.machining.follow(&self.state);
+        let (setup, readings) = (&self.state.document.edited.setup, self.state.machines.readings);
+        if let Some(named) = self.machine_names.follow(setup, readings) {
+            self.state.machines.note(named);
+        }
         self.state.results.listing = self.listing.follow(&self.state);
         self.watch_program(ctx);
         self.assessing.follow(&self.state, self.is_in_view(DockPanel::Machinability));

@@ -195,13 +195,6 @@ pub struct Project {
     pub setup_faults: Vec<SetupEntryFault>,
 }
 
-impl Project {
-    /// Faults of all its setups, those of the current one first.
-    pub fn faults(&self) -> impl Iterator<Item = &SetupEntryFault> {
-        self.setup_faults.iter().chain(self.sets.iter().flat_map(|set| &set.faults))
-    }
-}
-
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ProjectFile {
@@ -312,7 +305,7 @@ pub fn read_project(path: &Path) -> Result<Project, InputError> {
 ///
 /// # Errors
 /// When the bytes are not a project file of a supported version. Faults in its setups do not keep it from
-/// being opened: they are in [`Project::faults`].
+/// being opened: they are in [`Project::setup_faults`] and [`StoredSet::faults`].
 pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputError> {
     let name = name_of(path);
     let fault =
@@ -499,7 +492,8 @@ mod tests {
         let path = Path::new("p.vanecut");
         let text = write_project(&project(), path).replace("step = 7.5", "step = -7.5");
         let read = read_project_bytes(path, text.as_bytes()).expect("opens");
-        let named: Vec<String> = read.faults().map(|fault| fault.error.place()).collect();
+        let place = |faults: &[SetupEntryFault]| faults.iter().map(|f| f.error.place()).collect::<Vec<_>>();
+        let named = [place(&read.setup_faults), place(&read.sets[0].faults)].concat();
         assert_eq!((read.setup.plunge.step, read.sets[0].setup.plunge.step), (None, None));
         assert_eq!(read.sets[0].figures, None, "they are those of another setup");
         assert!(named.len() == 2 && named[0].starts_with("p.vanecut (setup):"), "{named:?}");
@@ -512,7 +506,10 @@ mod tests {
         let mut saved = Project { setup_faults: Vec::new(), ..read.clone() };
         saved.sets[0].faults.clear();
         let again = read_project_bytes(path, write_project(&saved, path).as_bytes()).expect("opens");
-        assert!(again.faults().count() == 0 && again.setup == read.setup, "saved, it has no faults");
+        assert!(
+            again.setup_faults.is_empty() && again.sets[0].faults.is_empty() && again.setup == read.setup,
+            "saved, it has no faults"
+        );
         let again = read_project_bytes(path, write_project(&read, path).as_bytes()).expect("reads");
         assert_eq!(again, read, "the file keeps what was faulty");
     }

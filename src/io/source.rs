@@ -59,9 +59,8 @@ impl<'a> Source<'a> {
     /// # Errors
     /// When `token` is not such a number.
     pub fn number(&self, line: usize, token: &str) -> Result<f64, InputError> {
-        number(token).map_err(|what| {
-            self.fault(line, what, "give a finite number").with_code(ErrorCode::InvalidNumber)
-        })
+        number(token)
+            .map_err(|fault| self.fault(line, fault.message, fault.help).with_code(ErrorCode::InvalidNumber))
     }
 
     /// Parses a length: the number times `scale`, in mm.
@@ -113,19 +112,36 @@ impl<'a> Source<'a> {
     }
 }
 
+/// Why a text is not a number that is read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NumberFault {
+    /// What is wrong.
+    pub message: String,
+    /// What to do about it.
+    pub help: &'static str,
+    /// The number, where it is one that is too large or too small.
+    pub value: Option<f64>,
+}
+
 /// Parses a finite number with |x| ≤ 1e6.
 ///
 /// # Errors
 /// When `token` is not such a number: what is wrong with it.
-pub fn number(token: &str) -> Result<f64, String> {
+pub fn number(token: &str) -> Result<f64, NumberFault> {
+    let fault = |words: &str, help: &'static str, value: Option<f64>| {
+        Err(NumberFault { message: format!("{} is {words}", quote_for_message(token)), help, value })
+    };
     match token.parse::<f64>() {
-        Err(_) => Err(format!("{} is not a number", quote_for_message(token))),
-        Ok(x) if !x.is_finite() => Err(format!("{} is not a finite number", quote_for_message(token))),
-        Ok(x) if x > MAX_COORDINATE => Err(format!("{} is larger than 1,000,000", quote_for_message(token))),
-        Ok(x) if x < -MAX_COORDINATE => Err(format!("{} is less than -1,000,000", quote_for_message(token))),
+        Err(_) => fault("not a number", FINITE, None),
+        Ok(x) if !x.is_finite() => fault("not a finite number", FINITE, None),
+        Ok(x) if x > MAX_COORDINATE => fault("larger than 1,000,000", WITHIN, Some(x)),
+        Ok(x) if x < -MAX_COORDINATE => fault("less than -1,000,000", WITHIN, Some(x)),
         Ok(x) => Ok(x),
     }
 }
+
+const FINITE: &str = "give a finite number";
+const WITHIN: &str = "give a number from -1,000,000 to 1,000,000";
 
 /// Quotes file contents for a message: one line, at most 40 characters, in backquotes.
 pub fn quote_for_message(token: &str) -> String {
@@ -267,7 +283,10 @@ mod tests {
         for bad in ["nan", "inf", "1e300", "-1e7", "", "1,5", "0x10"] {
             assert!(number(bad).is_err(), "{bad} must be refused");
         }
-        assert_eq!(number("-1e7"), Err("`-1e7` is less than -1,000,000".to_owned()));
+        let fault = number("-1e7").expect_err("is refused");
+        assert_eq!(fault.message, "`-1e7` is less than -1,000,000");
+        assert_eq!((fault.help, fault.value), (WITHIN, Some(-1e7)), "it is a finite number");
+        assert_eq!(number("inf").expect_err("is refused").help, FINITE);
     }
 
     #[test]

@@ -101,7 +101,7 @@ fn read_text(source: Source<'_>, bytes: &[u8]) -> Result<TriangleMesh, InputErro
         match words.next().map(str::to_ascii_lowercase).as_deref() {
             Some("vertex") => {
                 let mut next = || match words.next() {
-                    Some(word) => number(word).map_err(fault),
+                    Some(word) => number(word).map_err(|wrong| fault(wrong.message)),
                     None => Err(fault("vertex has fewer than three numbers".to_owned())),
                 };
                 corners.push(Point::new(next()?, next()?, next()?));

@@ -152,7 +152,8 @@ impl<'t> TomlTable<'t> {
     /// When the value is not a number or is outside `range`.
     pub fn number(&self, key: &str, range: NumberRange) -> Result<Option<Located<f64>>, InputError> {
         let Some(value) = self.get(key) else { return Ok(None) };
-        let x = self.number_of(key, value)?;
+        // A number that is not read as it is too large is out of the range, too: that says what fits.
+        let x = self.number_of(key, value, |x| range.check(x).err())?;
         let at = value.span().start;
         range.check(x).map_err(|help| {
             self.doc.fault(at, format!("`{key}` is {x}"), help).with_code(ErrorCode::ValueRange)
@@ -168,7 +169,13 @@ impl<'t> TomlTable<'t> {
         Ok(self.number(key, range)?.map_or(default, |x| x.value))
     }
 
-    fn number_of(&self, key: &str, value: &Spanned<DeValue<'_>>) -> Result<f64, InputError> {
+    /// Reads a number; `help` says what to give instead of one that is too large.
+    fn number_of(
+        &self,
+        key: &str,
+        value: &Spanned<DeValue<'_>>,
+        help: impl Fn(f64) -> Option<String>,
+    ) -> Result<f64, InputError> {
         let at = value.span().start;
         let token = match value.get_ref() {
             DeValue::Float(float) => float.as_str(),
@@ -178,9 +185,10 @@ impl<'t> TomlTable<'t> {
                 return Err(self.doc.value_type_fault(at, what, "give a decimal number"));
             }
         };
-        source::number(token).map_err(|what| {
+        source::number(token).map_err(|fault| {
+            let help = fault.value.and_then(help).unwrap_or_else(|| fault.help.to_owned());
             self.doc
-                .fault(at, format!("`{key}`: {what}"), "give a finite number")
+                .fault(at, format!("`{key}`: {}", fault.message), help)
                 .with_code(ErrorCode::InvalidNumber)
         })
     }
@@ -285,7 +293,8 @@ impl<'t> TomlTable<'t> {
     /// When the value is not a list of finite numbers.
     pub fn numbers(&self, key: &str) -> Result<Option<Located<Vec<f64>>>, InputError> {
         let Some((list, at)) = self.list(key)? else { return Ok(None) };
-        let numbers = list.iter().map(|item| self.number_of(key, item)).collect::<Result<_, _>>()?;
+        let numbers =
+            list.iter().map(|item| self.number_of(key, item, |_| None)).collect::<Result<_, _>>()?;
         Ok(Some(Located { value: numbers, at }))
     }
 
@@ -311,7 +320,7 @@ impl<'t> TomlTable<'t> {
             };
             let mut numbers = [0.0; N];
             for (number, value) in numbers.iter_mut().zip(row.iter()) {
-                *number = self.number_of(key, value)?;
+                *number = self.number_of(key, value, |_| None)?;
             }
             rows.push(Located { value: numbers, at: place });
         }
@@ -358,10 +367,10 @@ impl<'t> TomlTable<'t> {
             DeValue::Boolean(flag) => Scalar::Flag(*flag),
             DeValue::String(text) => Scalar::Text(text.as_ref().to_owned()),
             DeValue::Integer(integer) if integer.radix() == 10 => {
-                let number = self.number_of(key, value)?;
+                let number = self.number_of(key, value, |_| None)?;
                 Scalar::Whole(integer.as_str().parse().unwrap_or(number as i64))
             }
-            DeValue::Float(_) => Scalar::Number(self.number_of(key, value)?),
+            DeValue::Float(_) => Scalar::Number(self.number_of(key, value, |_| None)?),
             other => {
                 let what = format!("`{key}` holds {}", type_name(other));
                 return Err(self.doc.value_type_fault(at, what, "give numbers, texts, true or false"));

@@ -91,8 +91,9 @@ pub fn post_program(
         let placed = PlacedPart::new(&part, *inlet_up);
         machine_program(machine, &placed, program, &options, monitor).map_err(PostFault::Motion)?;
     }
-    // Who writes the calling program reads it on the control.
-    let remarks = calls.map_or_else(Vec::new, ChannelCalls::comments);
+    // Who sets up the part, or writes the calling program, reads it on the control.
+    let calls = calls.map_or_else(Vec::new, ChannelCalls::comments);
+    let remarks = [placed.comments(), calls].concat();
     let written = write_nc(program, machine, &motion, post, *output, &remarks).map_err(PostFault::Words)?;
     let times = section_times(machine, program, &motion);
     Ok(PostedProgram { motion, written, times })

@@ -25,6 +25,16 @@ impl PlacedPart {
         Self::new(placement, part.out_of_inlet().z > 0.0)
     }
 
+    /// How the part lies otherwise than in its own frame, for the head of a program: lines that a control can
+    /// show; none where it lies as in its frame.
+    pub fn comments(&self) -> Vec<String> {
+        let turned_over = self.flipped.then(|| "part turned over by half a turn about its X".to_owned());
+        let degrees = self.clock_rad.to_degrees();
+        // Less than the last decimal is none.
+        let clocked = (degrees.abs() >= 5e-4).then(|| format!("part turned by {degrees:.3} deg about Z"));
+        turned_over.into_iter().chain(clocked).collect()
+    }
+
     /// A tip of the part frame, in the program's.
     pub fn point_in_program(&self, p: &Point) -> Point {
         rotate_z(&if self.flipped { Point::new(p.x, -p.y, -p.z) } else { *p }, self.clock_rad)

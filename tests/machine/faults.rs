@@ -320,3 +320,28 @@ fn block_numbers_begin_again_after_six_digits() {
     assert!(numbers.chunks(2).all(|pair| pair[0] == "999900" && pair.get(1).is_none_or(|n| *n == "999950")));
     assert!(read_back(&machine, "fanuc", &nc.text).is_ok());
 }
+
+/// A program that is read for the control of another machine says for which one it seems to be.
+#[test]
+fn a_program_for_another_control_is_recognised() {
+    let machine = machine("ac-trunnion");
+    for (written, outputs) in OUTPUTS {
+        let text = posted(&machine, &plunges(), written, outputs[0]).text;
+        for (read, _) in OUTPUTS.into_iter().filter(|(read, _)| *read != written) {
+            let Err(error) = read_back(&machine, read, &text) else { continue };
+            if error.code != ErrorCode::NcBlock {
+                continue;
+            }
+            let seems = error.help.contains(&format!("not for {read}"));
+            let names = error.help.contains(written);
+            assert!(!seems || names, "{written} read as {read}: {error}");
+            // These have no grammar in common.
+            let is_alike = |name: &str| matches!(name, "fanuc" | "haas" | "linuxcnc");
+            assert!(seems || is_alike(written) && is_alike(read), "{written} read as {read}: {error}");
+        }
+    }
+    // A line that no control reads is a fault of its own.
+    let text = posted(&machine, &plunges(), "fanuc", OutputKind::TcpAngles).text + "?\n";
+    let error = read_back(&machine, "fanuc", &text).unwrap_err();
+    assert!(!error.help.contains("seems"), "{error}");
+}

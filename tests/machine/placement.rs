@@ -2,7 +2,9 @@
 
 use vanecut::geometry::{Point, Vector};
 use vanecut::io::nc::read_post;
+use vanecut::job::post::{PostRequest, post_program};
 use vanecut::machine::{OutputKind, PlacedPart, gauge_length};
+use vanecut::monitor::Monitor;
 
 use super::programs::{MACHINES, OUTPUTS, largest_difference, machine, moved, plunges, posted, read_back};
 
@@ -67,6 +69,32 @@ fn a_part_that_lies_elsewhere_comes_back() {
             }
         }
     }
+}
+
+/// Who sets up the part reads in the head of the program how it lies.
+#[test]
+fn the_head_of_a_program_says_how_the_part_is_turned() {
+    let head = |inlet_up: bool, clock_deg: f64| {
+        let mut machine = machine("ac-trunnion");
+        machine.part.clock_rad = clock_deg.to_radians();
+        let request = PostRequest {
+            post: read_post("fanuc").unwrap(),
+            output: OutputKind::TcpAngles,
+            inlet_up,
+            blank: None,
+            calls: None,
+            machine,
+        };
+        let text = post_program(&plunges(), &request, &Monitor::default()).unwrap().written.text;
+        text.lines().take(8).filter(|line| line.to_lowercase().contains("part turned")).count()
+    };
+    let is_up = machine("ac-trunnion").part.inlet_up;
+    let as_drawn = PlacedPart::new(&machine("ac-trunnion").part, is_up).comments();
+    assert!(as_drawn.is_empty(), "it lies as it is drawn: {as_drawn:?}");
+    // The made-up part lies with its inlet down.
+    assert_eq!((head(!is_up, 0.0), head(!is_up, 30.0)), (1, 2));
+    let comments = PlacedPart::new(&machine("ac-trunnion").part, !is_up).comments();
+    assert_eq!(comments, ["part turned over by half a turn about its X"]);
 }
 
 /// The side that the machine wants up is up, whichever way the part is drawn.

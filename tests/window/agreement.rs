@@ -118,7 +118,7 @@ fn the_time_of_a_checked_program_is_that_of_its_clock() {
     check(&mut window, &apt);
     assert_agreement(&window);
     take_tools(&mut window, folder.path());
-    window.state_mut().look_mut().check_machine = machine.display().to_string();
+    window.state_mut().look_mut().check_machine = Some(machine.display().to_string());
     let nc = write(folder.path(), "plan.h", &nc_program(&window));
     check(&mut window, &nc);
     assert_agreement(&window);

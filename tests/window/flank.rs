@@ -57,13 +57,30 @@ fn stretches_that_are_skipped_are_named_in_every_verdict() {
     let (engine, _) = fake::engine();
     let flank = move |outcome: &mut FlankOutcome| {
         let (why, overhang) = (UncutReason::new("no axis is free there"), None);
-        outcome.plan.uncut =
-            vec![UncutLength { layer: 0, region: Region::INLET, length: 12.0, why, overhang }];
+        let left = UncutLength { layer: 0, region: Region::INLET, length: 12.0, why, overhang };
+        let why = UncutReason::new("too short");
+        let short = UncutLength { length: 0.5, why, ..left.clone() };
+        outcome.plan.uncut = vec![short, left.clone(), UncutLength { layer: 1, ..left }];
     };
     let mut window = with_sample(fake::with_changed_flank(engine, flank));
     plan_flank(&mut window, 10.0);
-    window.get_by_label("1 stretch skipped");
-    window.get_by_label("Flank: 1 stretch skipped");
+    window.get_by_label("Flank: 3 stretches skipped");
+    // The reasons, the longest first: under the pointer, and in the panel.
+    let at = window.get_by_label("3 stretches skipped").rect().center();
+    window.hover_at(at);
+    window.run_steps(20);
+    let tip = labels(&window, "Stretches of passes");
+    assert_eq!(tip, ["Stretches of passes that are not cut:\nno axis is free there: 2\ntoo short: 1"]);
+    window.hover_at(egui::pos2(5.0, 5.0));
+    window.set_size(egui::vec2(1280.0, 900.0));
+    window.run_steps(8);
+    let row = |reason: &str| window.get_by_label(reason).rect();
+    let (first, second) = (row("No axis is free there"), row("Too short"));
+    assert!(first.top() < second.top(), "{first} {second}");
+    for (length, row) in [("24.0 mm", first), ("0.5 mm", second)] {
+        let mut lengths = window.query_all_by_label(length).map(|node| node.rect());
+        assert!(lengths.any(|rect| rect.y_range().intersects(row.y_range())), "{length}");
+    }
 }
 
 /// As in roughing, where the floor that is not machined is.

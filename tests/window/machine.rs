@@ -8,6 +8,7 @@ use vanecut::app::model::figures::format_clock;
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::machine::ProgramOnMachine;
 use vanecut::app::model::panels::DockPanel;
+use vanecut::drawing::machine::{PosedMachine, head_mesh};
 use vanecut::geometry::{Vector, rotate_vector_z};
 use vanecut::machine::MachineTime;
 
@@ -321,20 +322,55 @@ fn the_head_of_the_machine_does_not_hide_the_part() {
         window.state_mut().look_mut().cut_count = Some(cut);
         window.run_steps(3);
         settle(&mut window);
-        let without = pixels_in(&mut window, middle);
-        window.state_mut().look_mut().layers.machine = true;
-        window.run_steps(3);
-        settle(&mut window);
-        let with = pixels_in(&mut window, middle);
-        let same = without.iter().zip(&with).filter(|(a, b)| a == b).count();
+        let share = covered_and_same(&mut window, middle);
         // The cutter and the table are drawn.
-        assert!(4 * same > without.len(), "{name}: {same} of {} pixels", without.len());
+        assert!(share > 0.5, "{name}: {share} of what the head would cover is as without the machine");
         // From beside it is drawn.
         window.key_press(egui::Key::Num2);
         window.run_steps(20);
         let camera = window.state().camera().expect("a camera");
         assert!(!hides(&window, cut, &camera), "{name}: from beside");
+        window.state_mut().look_mut().layers.machine = false;
+        let share = covered_and_same(&mut window, middle);
+        assert!(share < 0.1, "{name}: from beside {share} of what the head covers is as without it");
     }
+}
+
+/// Of the pixels of `middle` in which the head of the machine is seen where it is drawn, the share that is
+/// the same with the layer of the machine, which is switched on, as without it.
+fn covered_and_same(window: &mut Window, middle: egui::Rect) -> f64 {
+    window.run_steps(3);
+    settle(window);
+    let without = pixels_in(window, middle);
+    window.state_mut().look_mut().layers.machine = true;
+    window.run_steps(3);
+    settle(window);
+    let with = pixels_in(window, middle);
+    let (camera, view) = (window.state().camera().expect("a camera"), window.get_by_label("3D view").rect());
+    let on_machine = on_machine(window);
+    let at = on_machine.at(window.state().state().look.cut_count).expect("it runs");
+    let head = head_mesh(&PosedMachine {
+        machine: &on_machine.machine,
+        placed: &on_machine.placed,
+        blank: on_machine.blank,
+        joints: at.joints,
+        angles: at.pose.angles,
+        tool: at.tool,
+    });
+    let size = glam::vec2(view.width(), view.height());
+    let columns = middle.right() as usize - middle.left() as usize;
+    // Every seventh pixel is enough.
+    let seen = (0..without.len()).step_by(7).filter(|k| {
+        let pixel = glam::vec2((k % columns) as f32, (k / columns) as f32);
+        let corner = glam::vec2(middle.left() - view.left(), middle.top() - view.top());
+        let ray = camera.ray(corner + pixel + 0.5, size);
+        let hit = head.hit(&ray).map(|hit| ray.origin + ray.direction * hit.distance);
+        // In front of the part: what is behind it is not seen anyway.
+        hit.is_some_and(|point| (point - camera.target).dot(camera.basis().2) > 0.0)
+    });
+    let seen: Vec<usize> = seen.collect();
+    assert!(seen.len() > 100, "the head is in the view: {}", seen.len());
+    seen.iter().filter(|&&k| without[k] == with[k]).count() as f64 / seen.len() as f64
 }
 
 #[test]

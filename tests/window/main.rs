@@ -22,6 +22,7 @@ mod large_library;
 mod layout;
 mod look;
 mod machine;
+mod machine_file;
 mod mouse;
 mod nc;
 mod preview;
@@ -379,7 +380,7 @@ fn files_that_are_written_at_once_are_all_written() {
     let ctx = window.ctx.clone();
     let files: Vec<_> = (0..5).map(|k| folder.path().join(format!("{k}.glb"))).collect();
     for path in &files {
-        window.state_mut().file_chosen(&ctx, Purpose::ExportScene, path.clone());
+        window.state_mut().file_chosen(&ctx, Purpose::ExportScene { side: None }, path.clone());
     }
     settle(&mut window);
     assert!(files.iter().all(|path| path.exists()), "{:?}", std::fs::read_dir(folder.path()).expect("lists"));
@@ -397,7 +398,7 @@ fn a_scene_of_another_setup_is_asked_about() {
     window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(6.0);
     window.run_steps(3);
     assert!(window.state().state().out_of_date());
-    window.state_mut().file_chosen(&ctx, Purpose::ExportScene, path.clone());
+    window.state_mut().file_chosen(&ctx, Purpose::ExportScene { side: None }, path.clone());
     window.run_steps(3);
     window.get_by_label("Export the scene of this plan?");
     window.get_by_label_contains("The setup was edited after this calculation");
@@ -405,7 +406,7 @@ fn a_scene_of_another_setup_is_asked_about() {
     window.run_steps(3);
     settle(&mut window);
     assert!(!path.exists());
-    window.state_mut().file_chosen(&ctx, Purpose::ExportScene, path.clone());
+    window.state_mut().file_chosen(&ctx, Purpose::ExportScene { side: None }, path.clone());
     window.run_steps(3);
     harness::click_enabled(&window, "Recalculate");
     window.run_steps(3);
@@ -427,7 +428,7 @@ fn setup_cl_file_and_picture_are_written() {
         (Purpose::SaveSetup, "s.toml"),
         (Purpose::ExportCl { channels: 1 }, "p.apt"),
         (Purpose::ExportCl { channels: 17 }, "all.apt"),
-        (Purpose::ExportScene, "s.glb"),
+        (Purpose::ExportScene { side: None }, "s.glb"),
         (Purpose::SavePicture, "v.png"),
     ] {
         let ctx = window.ctx.clone();

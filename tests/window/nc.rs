@@ -30,13 +30,13 @@ use crate::harness::{
 use crate::machine::{open_narrow_machine, with_machine};
 
 /// Opens the question where the program is to run.
-fn ask(window: &mut Window) {
+pub fn ask(window: &mut Window) {
     window.state_mut().use_own_file_dialogs();
     choose_in_file_menu(window, "Export NC program…");
 }
 
 /// Saves under `path`, and confirms what speaks against the program.
-fn save(window: &mut Window, path: &Path) {
+pub fn save(window: &mut Window, path: &Path) {
     window.get_by_label("Save as…").click();
     window.run_steps(3);
     settle(window);

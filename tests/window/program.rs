@@ -359,7 +359,7 @@ pub fn nc_program(window: &Window) -> String {
     for (number, step) in (1..).zip(&mut program.moves) {
         step.line = number;
     }
-    let machine = read_machine(Path::new(&state.look.check_machine)).expect("a machine");
+    let machine = read_machine(Path::new(state.check_machine())).expect("a machine");
     let request = PostRequest {
         post: read_post(&machine.control).expect("a control"),
         output: machine.output,
@@ -548,7 +548,7 @@ fn a_checked_apt_program_is_not_out_of_date_with_another_machine_for_nc_code() {
     window.get_by_label("Auto-update").click();
     window.run_steps(2);
     let look = window.state_mut().look_mut();
-    (look.check_machine, look.check_control) = ("bc-trunnion".to_owned(), Some("siemens".to_owned()));
+    (look.check_machine, look.check_control) = (Some("bc-trunnion".to_owned()), Some("siemens".to_owned()));
     window.run_steps(3);
     settle(&mut window);
     assert!(!window.state().state().program_is_stale());

@@ -32,6 +32,32 @@ fn the_section_of_the_selected_position_is_drawn_with_its_figures() {
     window.get_by_label("Tool tip X Y Z");
 }
 
+/// A click on a tab finds it where it was, whatever the others show.
+#[test]
+fn the_tabs_of_a_position_stay_where_they_are_while_their_content_changes() {
+    let (mut window, _) = with_fault_selected();
+    let tabs = |window: &Window| {
+        ["Sectional view", "Figures", "By hand"].map(|name| {
+            window.get_all_by_label(name).map(|node| node.rect().center()).next_back().expect("a tab")
+        })
+    };
+    // The highest content first, then the others.
+    for name in ["Figures", "By hand", "Sectional view"] {
+        window.get_by_label(name).click();
+        window.run_steps(6);
+    }
+    let before = tabs(&window);
+    for name in ["Figures", "By hand", "Sectional view"] {
+        window.get_by_label(name).click();
+        window.run_steps(6);
+        assert_eq!(tabs(&window), before, "{name}");
+        window.key_press(egui::Key::ArrowDown);
+        window.run_steps(6);
+        settle(&mut window);
+        assert_eq!(tabs(&window), before, "{name} of another position");
+    }
+}
+
 #[test]
 fn the_cut_can_be_chosen_zoomed_and_enlarged() {
     let (mut window, k) = with_fault_selected();

@@ -1,5 +1,6 @@
 //! The stock as a solid in the 3D view.
 
+use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::{Operation, PlaneOrientation, SectionPlaneLook};
@@ -12,7 +13,9 @@ use vanecut::toolpath::ClProgram;
 
 use crate::fake;
 use crate::flank;
-use crate::harness::{Window, labels, pixels_in, settle, snapshot_view, with_sample};
+use crate::harness::{
+    Window, choose_in_file_menu, click_enabled, labels, pixels_in, settle, snapshot_view, with_sample,
+};
 use crate::program::{check, write};
 
 /// A window with the layer shown, seen onto the channel.
@@ -117,7 +120,7 @@ fn the_solid_is_exported_as_stl_and_gltf_and_nothing_else() {
     let ctx = window.ctx.clone();
     let mut export = |name: &str| {
         let path = folder.join(name);
-        window.state_mut().file_chosen(&ctx, Purpose::ExportStock, path.clone());
+        window.state_mut().file_chosen(&ctx, Purpose::ExportStock { side: None }, path.clone());
         window.step();
         settle(&mut window);
         std::fs::read(path).ok()
@@ -137,6 +140,44 @@ fn the_solid_is_exported_as_stl_and_gltf_and_nothing_else() {
     std::fs::remove_dir_all(&folder).unwrap();
     let problems = &window.state().state().problems;
     assert!(problems.iter().any(|p| p.code == Some(ErrorCode::FileFormat)), "{problems:?}");
+}
+
+/// Where both plans are shown, the dialog says which of them is written.
+#[test]
+fn the_dialog_of_scene_and_stock_names_the_side_where_both_are_shown() {
+    let mut window = with_sample(fake::engine().0);
+    window.state_mut().use_own_file_dialogs();
+    let folder = tempfile::tempdir().expect("a folder");
+    let asked = |window: &mut Window, item: &str, title: &str| {
+        choose_in_file_menu(window, item);
+        settle(window);
+        window.get_by_label(title);
+        let name = window.get_by_role_and_label(Role::TextInput, "File").value().expect("a proposal");
+        click_enabled(window, "Cancel");
+        window.run_steps(3);
+        name
+    };
+    assert_eq!(asked(&mut window, "Export scene…", "Export scene"), "impeller532_scene.glb");
+    window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::B);
+    window.run_steps(3);
+    let after = asked(&mut window, "Export scene…", "Export scene of the side After");
+    assert_eq!(after, "impeller532_scene-after.glb");
+    let stock = asked(&mut window, "Export stock…", "Export stock of the side After");
+    assert_eq!(stock, "impeller532_stock-after.stl");
+    window.state_mut().look_mut().side = Side::Before;
+    window.run_steps(3);
+    let before = asked(&mut window, "Export scene…", "Export scene of the side Before");
+    assert_eq!(before, "impeller532_scene-before.glb");
+    // It is that one, whatever is active when the name is chosen.
+    let ctx = window.ctx.clone();
+    let mut scene = |side: Option<Side>, name: &str| {
+        let path = folder.path().join(name);
+        window.state_mut().file_chosen(&ctx, Purpose::ExportScene { side }, path.clone());
+        settle(&mut window);
+        std::fs::read(path).expect("written")
+    };
+    let (active, before) = (scene(None, "a.glb"), scene(Some(Side::Before), "b.glb"));
+    assert!(active == before && scene(Some(Side::After), "c.glb") != before);
 }
 
 /// Pixels of the view in the blue-green that lines of passes and programs have, and stock has not.

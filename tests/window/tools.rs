@@ -237,6 +237,21 @@ fn the_shank_and_holder_of_a_tool_are_edited_beside_its_drawing() {
     let setup = &window.state().state().document.edited.setup;
     let text = vanecut::io::write_setup(setup);
     assert_eq!(&vanecut::io::read_setup_bytes("s.toml", text.as_bytes()).expect("opens"), setup);
+    // A shank that would reach into the holder is remarked on, and a shorter one not.
+    let (overhang, shank) = (setup.tools[0].overhang, setup.tools[0].assembly.shank[0][1]);
+    let remark = |window: &Window| labels(window, "flutes of ");
+    assert!(remark(&window).is_empty(), "{:?}", remark(&window));
+    let set_flutes = |window: &mut Window, length: f64| {
+        let field = window.get_all_by_role_and_label(Role::SpinButton, "Flute length").next();
+        field.expect("of the tool").set_value_accesskit(length);
+        window.run_steps(3);
+        settle(window);
+    };
+    set_flutes(&mut window, overhang - shank + 3.0);
+    let said = remark(&window);
+    assert!(said.len() == 1 && said[0].contains("longer than the stick-out of "), "{said:?}");
+    set_flutes(&mut window, overhang - shank);
+    assert!(remark(&window).is_empty(), "{:?}", remark(&window));
 }
 
 #[test]

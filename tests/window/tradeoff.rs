@@ -12,7 +12,7 @@ use vanecut::monitor::Monitor;
 use vanecut::setup::{Goal, SemiFinishing};
 
 use crate::fake;
-use crate::harness::{Window, press, settle, window, with_sample};
+use crate::harness::{Window, press, scaled, settle, window, with_sample};
 
 fn goal(window: &Window) -> Goal {
     window.state().state().document.edited.setup.plunge.goal
@@ -114,6 +114,26 @@ fn weighing() -> Window {
     window.key_press(egui::Key::G);
     window.run_steps(2);
     window
+}
+
+/// At 150 % on a small screen the lines below the plot wrap: the plot leaves them their room.
+#[test]
+fn the_lines_below_the_curve_are_in_view_in_a_small_window() {
+    let mut window = scaled(rough(), 1.5);
+    window.state_mut().open_part(PartSource::Sample("pump6".to_owned()));
+    window.set_size(egui::vec2(853.0, 533.0));
+    settle(&mut window);
+    window.key_press(egui::Key::G);
+    window.run_steps(3);
+    settle(&mut window);
+    choose(&mut window, "Goal", "Least total");
+    let panel = window.ctx.memory(|memory| {
+        memory.area_rect(egui::Id::unique(("floating window", "Time against stock"))).expect("it is open")
+    });
+    for text in ["min per channel: hub stock ", "Other strategies: ", "With semi-finishing "] {
+        let line = window.get_by_label_contains(text).rect();
+        assert!(panel.contains_rect(line), "{text}: {line} in {panel}");
+    }
 }
 
 #[test]

@@ -124,6 +124,18 @@ fn the_palette_finds_and_runs_commands() {
     assert!(shown.accesskit_node().is_disabled(), "none is open");
     assert!(open.rect().top() < shown.rect().top());
     assert_eq!(window.query_all_by_label("not available now").count(), 1, "and says so");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(2);
+
+    // The switch of a panel is a command, too.
+    assert!(!window.state().state().compare);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
+    window.run_steps(2);
+    window.event(egui::Event::Text("compare all".to_owned()));
+    window.run_steps(3);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    assert!(window.state().state().compare);
 }
 
 /// A slow frame holds many keys: those behind Ctrl+K are words, and no commands.

@@ -22,7 +22,6 @@ use crate::app::tasks::opening::Opened;
 use crate::app::tasks::programs::OnFaults;
 use crate::app::tasks::project::{edited_of, source_of};
 use crate::app::tasks::work::PlanKey;
-use crate::gpu::device::DEVICE_LOST_PREFIX;
 use crate::io::plan_inputs::is_plan_file;
 use crate::job::JobError;
 use crate::job::flank::{FlankOutcome, FlankRequest};
@@ -51,7 +50,11 @@ impl App {
             OpenTask::Project(path, _) => Some(PartSource::File(path.clone())),
             OpenTask::Files { part, .. } => part.clone(),
             OpenTask::Nodes(source) => Some(source.clone()),
-            OpenTask::Blank(_) | OpenTask::Library(_) | OpenTask::Study(_) | OpenTask::Run { .. } => None,
+            OpenTask::Blank(_)
+            | OpenTask::Machine(_)
+            | OpenTask::Library(_)
+            | OpenTask::Study(_)
+            | OpenTask::Run { .. } => None,
         };
         self.state.notice = None;
         self.work.opener.submit(task);
@@ -272,31 +275,6 @@ impl App {
         self.collect_device_faults(ctx);
     }
 
-    /// Handles errors reported by the graphics device.
-    pub(in crate::app) fn collect_device_faults(&mut self, ctx: &egui::Context) {
-        let errors = self.pictures.as_ref().map(|pictures| pictures.take_errors()).unwrap_or_default();
-        let lost = errors.iter().find(|error| error.starts_with(DEVICE_LOST_PREFIX));
-        let Some(error) = lost.or(errors.last()) else { return };
-        let line = error.lines().next().unwrap_or_default();
-        // Save the work first, whatever happens to the device.
-        self.copy_now();
-        if lost.is_some() && self.hand_over(ctx, line) {
-            return;
-        }
-        let problem = Problem::new(
-            format!("The graphics device reports: {line}"),
-            "save the project and restart with VANECUT_GPU=software",
-        );
-        if lost.is_some() {
-            // The window itself may not be able to draw any more.
-            eprintln!("vanecut: {}; {}", problem.message, problem.help);
-            self.pictures = None;
-            self.hover = None;
-            "no 3D view".clone_into(&mut self.device);
-        }
-        self.state.report_problem(problem);
-    }
-
     fn take_opened(&mut self, opened: Opened) {
         let Opened {
             part,
@@ -304,6 +282,7 @@ impl App {
             project,
             on_disk,
             blank,
+            machine,
             library,
             study,
             is_run,
@@ -384,6 +363,9 @@ impl App {
             self.state.document.edited.setup.allowances.blank = BlankShape::File(Arc::new(blank));
             return;
         }
+        if let Some((path, read)) = machine {
+            return self.take_machine(&path, read);
+        }
         let was_flank = project.as_ref().is_some_and(|(_, project)| project.chosen.flank);
         if let Some((path, project)) = project {
             self.take_project(path, &project);
@@ -429,6 +411,7 @@ impl App {
             Purpose::CheckProgram => self.check_program(path),
             Purpose::OpenStudy => self.submit_open(OpenTask::Study(path)),
             Purpose::OpenBlank => self.submit_open(OpenTask::Blank(path)),
+            Purpose::OpenMachine => self.submit_open(OpenTask::Machine(path)),
             Purpose::OpenLibrary => self.run_guarded(ctx, Pending::OpenLibrary(path)),
             Purpose::SaveLibrary => {
                 if let Some(library) = self.library.library() {
@@ -457,9 +440,10 @@ impl App {
                     self.write(WriteTask::Assessment(path, assessed));
                 }
             }
-            Purpose::ExportScene => self.export_scene(path),
-            Purpose::ExportStock => {
-                if let Some(source) = self.state.solid_source(self.state.look.side) {
+            Purpose::ExportScene { side } => self.export_scene(path, side),
+            Purpose::ExportStock { side } => {
+                let side = side.unwrap_or(self.state.look.side);
+                if let Some(source) = self.state.solid_source(side) {
                     let moment = self.state.stock_moment(&source);
                     self.write(WriteTask::Stock(path, source, moment));
                 }

@@ -32,7 +32,7 @@ impl App {
             C::DismissProblems => !self.state.problems.is_empty(),
             C::SaveLibrary => self.library.library().is_some(),
             C::StudyResults => self.study.has_results(),
-            C::PlanFlank | C::Assess | C::ShowTour => open,
+            C::PlanFlank | C::Assess | C::CompareAll | C::ShowTour | C::OpenMachine => open,
             C::SaveAssessment => self.assessing.known(&self.state).is_some(),
             C::CheckProgram => open,
             C::CheckAgain | C::CloseProgram => {
@@ -140,11 +140,13 @@ impl App {
                 self.state.report_done(format!("The setup is saved as \"{name}\", under Variants"));
             }
             C::FollowEdits => self.state.auto_update ^= true,
+            C::CompareAll => self.state.compare ^= true,
             C::DismissProblems => self.state.dismiss_problems(),
             C::OpenPart => self.dialogs.open_dialog(ctx, Purpose::OpenPart, String::new()),
             C::AssignRoles => self.assign_roles(),
             C::OpenSetup => self.dialogs.open_dialog(ctx, Purpose::OpenSetup, String::new()),
             C::OpenBlank => self.dialogs.open_dialog(ctx, Purpose::OpenBlank, String::new()),
+            C::OpenMachine => self.dialogs.open_dialog(ctx, Purpose::OpenMachine, String::new()),
             C::ToolLibrary => look.panels.open(DockPanel::ToolLibrary),
             C::OpenStudy => self.dialogs.open_dialog(ctx, Purpose::OpenStudy, String::new()),
             C::StudyResults => look.panels.open(DockPanel::Study),
@@ -166,12 +168,8 @@ impl App {
             C::PreviousTool => self.state.jump_to_boundary(Boundary::Tool, false),
             C::NextSection => self.state.jump_to_boundary(Boundary::Section, true),
             C::PreviousSection => self.state.jump_to_boundary(Boundary::Section, false),
-            C::ExportScene => {
-                self.dialogs.open_dialog(ctx, Purpose::ExportScene, self.suggest_file_name("scene.glb"));
-            }
-            C::ExportStock => {
-                self.dialogs.open_dialog(ctx, Purpose::ExportStock, self.suggest_file_name("stock.stl"));
-            }
+            C::ExportScene => self.ask_for_model(ctx, false),
+            C::ExportStock => self.ask_for_model(ctx, true),
             C::SavePicture => self.export_dialog.open(),
             C::Quit => self.run_guarded(ctx, Pending::Quit),
             C::Undo => self.undo(ctx),

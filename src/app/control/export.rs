@@ -8,8 +8,8 @@ use egui::Ui;
 use super::background::panic_problem;
 use crate::app::App;
 use crate::app::model::file_purpose::Purpose;
-use crate::app::model::look::{DEFAULT_MACHINE, Operation};
-use crate::app::model::planned::DisplayPlan;
+use crate::app::model::look::{Arrangement, DEFAULT_MACHINE, Operation};
+use crate::app::model::planned::{DisplayPlan, Side};
 use crate::app::model::post_target::PostTarget;
 use crate::app::model::problem::{Problem, Topic, without_markdown};
 use crate::app::model::release::{concerns, fault_lines, faulty_values};
@@ -92,8 +92,8 @@ impl App {
                 Purpose::SaveLibrary if is_fusion_library(&path) => &release::EXISTING_LIBRARY,
                 Purpose::SaveLibrary => &release::LIBRARY,
                 Purpose::ExportSheet { .. } => &release::SHEET,
-                Purpose::ExportScene => &release::SCENE,
-                Purpose::ExportStock => &release::STOCK,
+                Purpose::ExportScene { .. } => &release::SCENE,
+                Purpose::ExportStock { .. } => &release::STOCK,
                 _ => &release::PROGRAM,
             };
             let channels = self.channels_of(purpose);
@@ -386,7 +386,8 @@ impl App {
         let channel_count = self.channel_count();
         let channels = last.map_or(self.state.look.shown_channels, |last| last.channels);
         let channels = channels.clamp(1, channel_count);
-        self.nc_dialog.open(NcQuestion { operations, operation, channels, channel_count, target });
+        let machines = self.state.machines.clone();
+        self.nc_dialog.open(NcQuestion { operations, operation, channels, channel_count, target, machines });
         // What was chosen for another machine stays.
         if let Some(machine) = other {
             self.nc_dialog.take(TargetChoice::Machine(machine));
@@ -432,15 +433,28 @@ impl App {
         let Some(source) = source else { return };
         let target = question.target.clone();
         // What is written is read back for the same machine.
-        self.state.look.check_machine.clone_from(&target.machine);
+        self.state.look.check_machine = Some(target.machine.clone());
         self.state.look.check_control = Some(target.control.clone());
         self.write(WriteTask::Nc(path, NcTask { source, target }));
     }
 
-    /// Writes the part as a glTF scene, with the plan of the active side.
-    pub(in crate::app) fn export_scene(&mut self, path: PathBuf) {
+    /// Asks where to write the scene (`stock` false) or the stock. Where both plans are shown, title and
+    /// proposed name say which one it is of: the active one.
+    pub(super) fn ask_for_model(&mut self, ctx: &egui::Context, stock: bool) {
+        let look = &self.state.look;
+        let side = (look.shown_arrangement() != Arrangement::One).then_some(look.side);
+        let of_side = side.map_or(String::new(), |side| format!("-{}", side.label().to_lowercase()));
+        let (purpose, name) = match stock {
+            true => (Purpose::ExportStock { side }, format!("stock{of_side}.stl")),
+            false => (Purpose::ExportScene { side }, format!("scene{of_side}.glb")),
+        };
+        self.dialogs.open_dialog(ctx, purpose, self.suggest_file_name(&name));
+    }
+
+    /// Writes the part as a glTF scene, with the plan of a side; `None`: of the active one.
+    pub(in crate::app) fn export_scene(&mut self, path: PathBuf, side: Option<Side>) {
         let Some(part) = &self.state.document.part else { return };
-        let shown = self.state.last_whole_plan(self.state.look.side);
+        let shown = self.state.last_whole_plan(side.unwrap_or(self.state.look.side));
         let planned = shown.map(|shown| (shown.planned.clone(), shown.policy));
         let scene = SceneTask { part: part.impeller.clone(), planned, range: self.state.range() };
         self.write(WriteTask::Scene(path, scene));

@@ -6,6 +6,7 @@ pub(in crate::app) mod commands;
 pub(in crate::app) mod drops;
 pub(in crate::app) mod export;
 pub mod handover;
+pub(in crate::app) mod machine;
 pub(in crate::app) mod pictures;
 pub(in crate::app) mod project;
 pub(in crate::app) mod recovery;

@@ -1,4 +1,4 @@
-//! Pictures of the view as files.
+//! Pictures of the view as files, and faults of the device that draws them.
 
 use std::path::PathBuf;
 
@@ -11,11 +11,52 @@ use crate::app::model::planned::Side;
 use crate::app::model::problem::Problem;
 use crate::app::tasks::files::WriteTask;
 use crate::gpu::camera::Camera;
+use crate::gpu::device::DEVICE_LOST_PREFIX;
 use crate::gpu::image::MAX_SIDE;
 use crate::gpu::legend::add_legend;
 use crate::gpu::{GpuError, Picture, SceneOptions};
 
 impl App {
+    /// Notes how long the first picture took.
+    pub(in crate::app) fn note_first_picture(&mut self) {
+        if let (Some(start), None) = (self.start, self.first_picture) {
+            let is_timing = std::env::var_os("VANECUT_TIMES").is_some();
+            if let Some(pictures) = self.pictures.as_ref().filter(|_| is_timing) {
+                pictures.wait();
+            }
+            let took = start.elapsed();
+            self.first_picture = Some(took);
+            if is_timing {
+                eprintln!("vanecut: first picture after {:.0} ms", 1e3 * took.as_secs_f64());
+            }
+        }
+    }
+
+    /// Handles errors reported by the graphics device.
+    pub(in crate::app) fn collect_device_faults(&mut self, ctx: &egui::Context) {
+        let errors = self.pictures.as_ref().map(|pictures| pictures.take_errors()).unwrap_or_default();
+        let lost = errors.iter().find(|error| error.starts_with(DEVICE_LOST_PREFIX));
+        let Some(error) = lost.or(errors.last()) else { return };
+        let line = error.lines().next().unwrap_or_default();
+        // Save the work first, whatever happens to the device.
+        self.copy_now();
+        if lost.is_some() && self.hand_over(ctx, line) {
+            return;
+        }
+        let problem = Problem::new(
+            format!("The graphics device reports: {line}"),
+            "save the project and restart with VANECUT_GPU=software",
+        );
+        if lost.is_some() {
+            // The window itself may not be able to draw any more.
+            eprintln!("vanecut: {}; {}", problem.message, problem.help);
+            self.pictures = None;
+            self.hover = None;
+            "no 3D view".clone_into(&mut self.device);
+        }
+        self.state.report_problem(problem);
+    }
+
     /// Draws the picture dialog.
     pub(in crate::app) fn ask_export(&mut self, ui: &Ui) {
         let screen = self.screen_size();

@@ -112,6 +112,9 @@ fn label_of(table: &str, key: &str) -> Option<&'static str> {
 }
 
 impl FaultyField {
+    /// The list of machines.
+    pub const MACHINE: Self = Self { scope: FieldScope::Setup, label: "Machine" };
+
     /// The field of a faulty entry of a setup file; `None` where it has none.
     pub fn of_entry(entry: &SetupEntry) -> Option<Self> {
         let scope = match entry.table.as_str() {

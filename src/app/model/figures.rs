@@ -1,6 +1,5 @@
 //! Figures of plans as texts, and the limits of what counts as good.
 
-use crate::flank::FlankPlan;
 use crate::job::flank::FlankOutcome;
 use crate::job::{PolicyResult, Summary};
 use crate::plunge::Condition;
@@ -147,17 +146,6 @@ pub fn flank_times_tip(outcome: &FlankOutcome) -> &'static str {
         (Some(_), _) => ON_MACHINE,
         (None, Some(_)) => "From feed rates and rapids: the machine of the setup cannot run the program",
         (None, None) => "From feed rates and rapids; without tool changes",
-    }
-}
-
-/// Length of all stretches of passes that a flank plan leaves out.
-pub fn skipped_length(plan: &FlankPlan, units: DisplayUnits) -> String {
-    /// Shorter ones would be written as 0.0, mm.
-    const SHORT: f64 = 0.1;
-    let length: f64 = plan.uncut.iter().map(|stretch| stretch.length).sum();
-    match length < SHORT {
-        true => format!("less than {}", units.length(SHORT, 1)),
-        false => units.length(length, 1),
     }
 }
 

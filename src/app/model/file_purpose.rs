@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::look::Operation;
+use super::planned::Side;
 use crate::io::nc::Dialect;
 use crate::io::project_file::EXTENSION;
 
@@ -27,6 +28,8 @@ pub enum Purpose {
     OpenSetup,
     /// A blank to take.
     OpenBlank,
+    /// A machine file to take.
+    OpenMachine,
     /// A tool library to open.
     OpenLibrary,
     /// The part of a project whose file is not where that says.
@@ -64,9 +67,15 @@ pub enum Purpose {
     /// Target of the page on machinability.
     SaveAssessment,
     /// Target of the glTF scene.
-    ExportScene,
+    ExportScene {
+        /// The side whose plan is in it, where both are shown; `None`: the one that is shown.
+        side: Option<Side>,
+    },
     /// Target of the stock as a solid.
-    ExportStock,
+    ExportStock {
+        /// As of the scene.
+        side: Option<Side>,
+    },
     /// A program to check.
     CheckProgram,
     /// Target of the picture.
@@ -83,6 +92,7 @@ impl Purpose {
             Self::SaveProject => "Save project",
             Self::OpenSetup => "Open setup",
             Self::OpenBlank => "Open blank",
+            Self::OpenMachine => "Open machine file",
             Self::OpenLibrary => "Open library",
             Self::OpenStudy => "Open study results",
             Self::SaveLibrary => "Save library",
@@ -96,8 +106,12 @@ impl Purpose {
             Self::ExportSheet { operation: Operation::Flank } => "Export setup sheet of flank",
             Self::ExportSheet { .. } => "Export setup sheet",
             Self::SaveAssessment => "Save machinability page",
-            Self::ExportScene => "Export scene",
-            Self::ExportStock => "Export stock",
+            Self::ExportScene { side: None } => "Export scene",
+            Self::ExportScene { side: Some(Side::Before) } => "Export scene of the side Before",
+            Self::ExportScene { side: Some(Side::After) } => "Export scene of the side After",
+            Self::ExportStock { side: None } => "Export stock",
+            Self::ExportStock { side: Some(Side::Before) } => "Export stock of the side Before",
+            Self::ExportStock { side: Some(Side::After) } => "Export stock of the side After",
             Self::CheckProgram => "Check program",
             Self::SavePicture => "Save picture",
         }
@@ -106,7 +120,7 @@ impl Purpose {
     /// The operation whose plan is written; `None` for other files.
     pub fn planned_operation(self) -> Option<Operation> {
         match self {
-            Self::ExportCl { .. } | Self::ExportScene => Some(Operation::Roughing),
+            Self::ExportCl { .. } | Self::ExportScene { .. } => Some(Operation::Roughing),
             Self::ExportFlank { .. } => Some(Operation::Flank),
             Self::ExportNc { operation, .. } | Self::ExportSheet { operation } => Some(operation),
             _ => None,
@@ -125,10 +139,16 @@ impl Purpose {
                 | Self::ExportNc { .. }
                 | Self::ExportSheet { .. }
                 | Self::SaveAssessment
-                | Self::ExportScene
-                | Self::ExportStock
+                | Self::ExportScene { .. }
+                | Self::ExportStock { .. }
                 | Self::SavePicture
         )
+    }
+
+    /// Whether a file must have one of its endings: one that is written, and a machine file, which shares its
+    /// ending with others.
+    pub fn requires_ending(self) -> bool {
+        self.saves() || self == Self::OpenMachine
     }
 
     /// Whether the ending of a name is one of this purpose.
@@ -147,13 +167,14 @@ impl Purpose {
             Self::SaveLibrary => ("Tool libraries", &["toml", "json"]),
             Self::OpenStudy => ("Study results", &["csv", "json"]),
             Self::OpenBlank => ("Blanks", &["stl", "txt"]),
+            Self::OpenMachine => ("Machine files", &["toml"]),
             Self::ExportCl { .. } | Self::ExportFlank { .. } => ("APT cutter location", &["apt", "cl"]),
             Self::ExportNc { dialect, .. } => ("NC programs", endings_of(dialect)),
             Self::OpenPost => ("Posts", &["toml"]),
             Self::ExportSheet { .. } | Self::SaveAssessment => ("Pages", &["html"]),
             Self::CheckProgram => ("Programs", PROGRAM_ENDINGS),
-            Self::ExportScene => ("glTF scenes", &["glb"]),
-            Self::ExportStock => ("Solids", &["stl", "glb"]),
+            Self::ExportScene { .. } => ("glTF scenes", &["glb"]),
+            Self::ExportStock { .. } => ("Solids", &["stl", "glb"]),
             Self::SavePicture => ("Pictures", &["png"]),
         }
     }

@@ -309,8 +309,8 @@ pub struct Look {
     pub reveal_finding: u8,
     /// Timeline of the checked program: number of moves made; `None`: all.
     pub program_cut: Option<usize>,
-    /// Machine that checked NC code was posted for, by name.
-    pub check_machine: String,
+    /// Machine that checked NC code was posted for, by name or file; `None`: that of the setup.
+    pub check_machine: Option<String>,
     /// Its control, or the file of its post; `None`: that of the machine.
     pub check_control: Option<String>,
     /// Whether the camera zooms to the selection in the next frame.
@@ -443,7 +443,7 @@ impl Default for Look {
             finding: None,
             reveal_finding: 0,
             program_cut: None,
-            check_machine: DEFAULT_MACHINE.to_owned(),
+            check_machine: None,
             check_control: None,
             fly: false,
             section: None,
@@ -469,7 +469,7 @@ impl Look {
 
     /// Resets the display for another part; layers, panels, tab, mouse preset and units are kept.
     pub fn begin(&mut self) {
-        let check_machine = std::mem::take(&mut self.check_machine);
+        let check_machine = self.check_machine.take();
         let check_control = self.check_control.take();
         let Self { layers, mut panels, tab, mouse, units, play_speed, .. } = *self;
         panels.begin();

@@ -154,10 +154,16 @@ impl ShownMachine {
 /// # Errors
 /// When the machine cannot be read.
 pub fn choose_machine(setup: &mut Setup, name: Option<&str>) -> Result<(), InputError> {
-    setup.machine.max_axis_tilt_rad = match name {
-        Some(name) => read_machine(Path::new(name))?.max_axis_tilt_rad(),
-        None => Setup::default().machine.max_axis_tilt_rad,
-    };
-    setup.machine.file = name.map(str::to_owned);
+    match name {
+        Some(name) => take_machine(setup, name.to_owned(), &read_machine(Path::new(name))?),
+        None => setup.machine = Setup::default().machine,
+    }
     Ok(())
+}
+
+/// Makes the machine of that name or file the machine of a setup; the planner then keeps to the tilt that
+/// it reaches.
+pub fn take_machine(setup: &mut Setup, name: String, machine: &MachineTool) {
+    setup.machine.max_axis_tilt_rad = machine.max_axis_tilt_rad();
+    setup.machine.file = Some(name);
 }

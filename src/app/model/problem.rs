@@ -21,6 +21,8 @@ pub enum Topic {
     SharedProject,
     /// The stock as a solid: solved by the next plan.
     Stock,
+    /// A machine that was not taken: solved by the next that is.
+    Machine,
     /// A file that was not opened: solved by the next that is.
     Opening,
     /// A file of this kind that was not written: solved by the next that is.

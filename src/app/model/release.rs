@@ -4,8 +4,9 @@ use crate::plunge::DropReason;
 use crate::setup::{TILT_TOLERANCE, falls_short};
 
 use crate::app::model::field_faults::ReplacedValue;
-use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent, policy_label, skipped_length};
+use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent, policy_label};
 use crate::app::model::file_purpose::Purpose;
+use crate::app::model::flank_skips::skipped_length;
 use crate::app::model::look::Operation;
 use crate::app::model::setup_tools::too_fast;
 use crate::app::model::state::AppState;
@@ -20,8 +21,8 @@ const UNFINISHED: &str = "The calculation was cancelled: this is the best plan s
 pub fn concerns(state: &AppState, purpose: Purpose, channels: usize) -> Vec<String> {
     // No machine runs a model of the plan, but it may show another setup.
     match purpose {
-        Purpose::ExportScene => return model_concerns(state, state.out_of_date()),
-        Purpose::ExportStock => {
+        Purpose::ExportScene { .. } => return model_concerns(state, state.out_of_date()),
+        Purpose::ExportStock { .. } => {
             let is_stale = state.operation_is_stale();
             let after_roughing = state.look.operation == Operation::Flank && state.out_of_date();
             return model_concerns(state, is_stale || after_roughing);
@@ -158,7 +159,7 @@ fn flank_concerns(state: &AppState, each: &str) -> Vec<String> {
     if state.flank_is_stale() {
         found.push(STALE.to_owned());
     }
-    let lost = || skipped_length(&outcome.plan, state.look.units);
+    let lost = || skipped_length(&outcome.plan.uncut, state.look.units);
     match outcome.plan.uncut.len() {
         0 => {}
         1 => found.push(format!("1 stretch of a pass is left out{each}, {}", lost())),

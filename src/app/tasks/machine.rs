@@ -24,6 +24,8 @@ use crate::toolpath::{ClProgram, ClTool};
 struct MachineRequest {
     program: TimelineProgram,
     machine: String,
+    /// See [`MachineList::readings`](crate::app::model::machine_list::MachineList::readings).
+    readings: u32,
 }
 
 /// The answer: the program on the machine, or why the machine is not known.
@@ -41,9 +43,12 @@ impl MachineWork {
     /// Requests the shown program on its machine. Returns it once it is known; `None` without a machine.
     pub(in crate::app) fn follow(&mut self, state: &AppState) -> Option<MachineAnswer> {
         let program = state.timeline_program();
-        let wanted = program
-            .zip(state.timeline_machine())
-            .map(|(program, machine)| MachineRequest { program, machine: machine.to_owned() });
+        let readings = state.machines.readings;
+        let wanted = program.zip(state.timeline_machine()).map(|(program, machine)| MachineRequest {
+            program,
+            machine: machine.to_owned(),
+            readings,
+        });
         self.0.request(wanted.clone());
         // Positions of another program or machine would mislead.
         let (of, answer) = self.0.answer()?;

@@ -13,6 +13,7 @@ pub(in crate::app) mod latest;
 pub(in crate::app) mod listing;
 pub(in crate::app) mod lock;
 pub(in crate::app) mod machine;
+pub(in crate::app) mod machine_name;
 pub(in crate::app) mod mesh_nodes;
 pub(in crate::app) mod open_task;
 pub(in crate::app) mod opening;

@@ -22,6 +22,8 @@ pub(in crate::app) enum OpenTask {
     },
     /// A blank.
     Blank(PathBuf),
+    /// A machine file.
+    Machine(PathBuf),
     /// A tool library.
     Library(PathBuf),
     /// Results of a study: its folder, the list in it, or its table.
@@ -40,9 +42,12 @@ impl OpenTask {
         match self {
             Self::Project(path, _) => Self::Project(path, Some(source)),
             Self::Files { setup, defaults, .. } => Self::Files { part: Some(source), setup, defaults },
-            Self::Blank(_) | Self::Library(_) | Self::Study(_) | Self::Run { .. } | Self::Nodes(_) => {
-                Self::Files { part: Some(source), setup: None, defaults: Box::default() }
-            }
+            Self::Blank(_)
+            | Self::Machine(_)
+            | Self::Library(_)
+            | Self::Study(_)
+            | Self::Run { .. }
+            | Self::Nodes(_) => Self::Files { part: Some(source), setup: None, defaults: Box::default() },
         }
     }
 }

@@ -13,13 +13,14 @@ use crate::app::model::part_source::PartSource;
 use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::blank_file::read_blank_file;
-use crate::io::machine_file::is_built_in;
+use crate::io::machine_file::{is_built_in, read_machine};
 use crate::io::part_hash::PartHash;
 use crate::io::plan_inputs::{is_plan_file, read_plan_inputs};
 use crate::io::project_file::{Project, read_project_bytes};
 use crate::io::setup_file::{locate_machine, read_setup, read_setup_bytes};
 use crate::io::shop_tools::{LibraryFormat, ToolLibrary, read_library};
 use crate::io::source::read_bytes;
+use crate::machine::MachineTool;
 use crate::monitor::Monitor;
 use crate::part::BlankFile;
 use crate::setup::Setup;
@@ -34,6 +35,8 @@ pub(in crate::app) struct Opened {
     /// Hash of the project's file, of a recovery copy that of the project that it is of.
     pub on_disk: Option<u64>,
     pub blank: Option<BlankFile>,
+    /// A machine file, and its machine or why it is none.
+    pub machine: Option<(PathBuf, Result<MachineTool, InputError>)>,
     pub library: Option<(PathBuf, ToolLibrary)>,
     pub study: Option<StudyResults>,
     /// Whether the setup is to be planned even where edits are not.
@@ -89,6 +92,11 @@ pub(in crate::app) fn open(
             let path = std::path::absolute(path).unwrap_or_else(|_| path.clone());
             let blank = read_blank_file(&path.display().to_string(), &path)?;
             return Ok(Opened { blank: Some(blank), ..Opened::default() });
+        }
+        OpenTask::Machine(path) => {
+            let path = std::path::absolute(path).unwrap_or_else(|_| path.clone());
+            let machine = read_machine(&path);
+            return Ok(Opened { machine: Some((path, machine)), ..Opened::default() });
         }
         OpenTask::Library(path) => {
             let library = read_library(path, LibraryFormat::of_path(path)?)?;

@@ -65,6 +65,8 @@ commands! {
     OpenSetup "Open setup…" "Opens a setup (.toml) for the part" [CTRL | SHIFT, O];
     OpenBlank "Open blank…"
         "Takes the stock before the first cut from a file: a mesh (.stl) or an outline, lines r z (.txt)" [];
+    OpenMachine "Open machine file…"
+        "Takes the machine of the setup from a machine file (.toml): its axes, limits, control and zero point" [];
     ToolLibrary "Shop library…"
         "Shows the tool library of the shop: search, look at, edit, take into the setup" [];
     OpenLibrary "Open library…"
@@ -91,9 +93,9 @@ commands! {
     CheckAgain "Check again" "Reads the program again and checks it with the current setup" [NONE, F7];
     CloseProgram "Close program" "Closes the checked program" [];
     ExportScene "Export scene…"
-        "Writes the part, with the shown plan, as a glTF scene (.glb)" [];
+        "Writes the part, with the shown plan (of two that of the active side), as a glTF scene (.glb)" [];
     ExportStock "Export stock…"
-        "Writes the stock at the position of the timeline as a solid: STL or glTF (.glb)" [];
+        "Writes the stock of the shown or active side at the position of the timeline as a solid: STL or glTF (.glb)" [];
     SavePicture "Save picture…" "Writes the 3D view as a PNG" [CTRL | SHIFT, E];
     Palette "Search commands" "Finds any command by its name" [CTRL, K];
     KeepSet "Save as variant" "Stores the current setup as a variant, to compare others with it" [CTRL, D];
@@ -105,6 +107,8 @@ commands! {
     Plan "Calculate roughing" "Plans the rough milling of the channel with the current setup" [NONE, F5];
     Assess "Machinability"
         "Shows twist, depth, width, largest cutter, and what the tools reach, before any plan" [NONE, A];
+    CompareAll "Compare all strategies"
+        "The next calculation plans every axis strategy, not only the chosen one, or that alone again" [];
     TimeAgainstStock "Time against stock"
         "Shows what less time costs in stock on the hub; drag the handle, and the plan follows" [NONE, G];
     SaveAssessment "Save machinability page…"

@@ -60,9 +60,9 @@ fn fault_of(ui: &Ui, label: &str) -> Option<FieldFault> {
 }
 
 /// Draws what is wrong with the field of this label, whose box is `at`. `edited`: the user changed it, which
-/// ends the fault; so does keeping the default that stands there.
-pub fn show(ui: &mut Ui, label: &str, at: Rect, edited: bool) {
-    let Some(fault) = fault_of(ui, label) else { return };
+/// ends the fault; so does keeping the default that stands there. Returns whether there was a fault.
+pub fn show(ui: &mut Ui, label: &str, at: Rect, edited: bool) -> bool {
+    let Some(fault) = fault_of(ui, label) else { return false };
     mark(ui, at, &fault.text, (Condition::Interfering, 1.5));
     let tip = "The value in the field is meant: the fault is settled as if it had been entered";
     let is_kept = fault.is_default && ui.small_button("Keep the default").on_hover_text(tip).clicked();
@@ -71,6 +71,7 @@ pub fn show(ui: &mut Ui, label: &str, at: Rect, edited: bool) {
             data.get_temp_mut_or_default::<ShownFaults>(key()).edited.push(fault.field);
         });
     }
+    true
 }
 
 /// Draws a frame in the colour of a condition and of a width, points, round the box `at` of a field, and

@@ -10,9 +10,9 @@ use super::modal::{is_confirmed, is_dismissed};
 use super::panels::fields;
 use super::theme::{self, Condition};
 use crate::app::model::look::Operation;
+use crate::app::model::machine_list::MachineList;
 use crate::app::model::post_target::PostTarget;
 use crate::app::model::problem::{Problem, without_markdown};
-use crate::io::machine_file::built_in_names;
 use crate::io::nc::built_in_posts;
 use crate::machine::{ChannelCalls, OutputKind};
 use crate::setup::{ChannelSequence, ChannelSetup};
@@ -30,6 +30,8 @@ pub struct NcQuestion {
     pub channel_count: usize,
     /// Where the program is to run.
     pub target: PostTarget,
+    /// Machines to choose from.
+    pub machines: MachineList,
 }
 
 impl NcQuestion {
@@ -212,14 +214,12 @@ fn form(
 
         let target = &mut question.target;
         let mut machine = target.machine.clone();
-        let names = built_in_names().map(str::to_owned);
-        fields::name_row(ui, "NC machine", MACHINE_TIP, &mut machine, names, |_| {});
+        fields::machine_row(ui, ("NC machine", MACHINE_TIP), &mut machine, &question.machines);
         if machine != target.machine {
             changed = Some(TargetChoice::Machine(machine));
         }
         let mut control = target.control.clone();
-        let names = built_in_posts().map(str::to_owned);
-        fields::name_row(ui, "Control", CONTROL_TIP, &mut control, names, |ui| {
+        fields::control_row(ui, ("Control", CONTROL_TIP), &mut control, built_in_posts(), |ui| {
             opens_post = ui.button("Post file…").on_hover_text(POST_TIP).clicked();
         });
         if control != target.control {

@@ -184,6 +184,7 @@ fn synonyms(command: Command) -> &'static str {
         C::OpenLibrary => "load import tools fusion freecad",
         C::SaveLibrary => "store write export tools fusion",
         C::OpenBlank => "load import stl stock casting forging preform",
+        C::OpenMachine => "load import kinematics trunnion own",
         C::SaveProject | C::SaveProjectAs | C::SaveSetup => "store write",
         C::Cutters => "tool tools",
         C::Holders => "tool tools collision",
@@ -195,6 +196,8 @@ fn synonyms(command: Command) -> &'static str {
         C::Wipe => "compare curtain slider",
         C::Difference => "compare delta",
         C::KeepSet => "what-if snapshot compare",
+        C::CompareAll => "policy axis conventional stepped minimal",
+        C::DismissProblems => "notes messages warnings errors remarks",
         C::Measure | C::MeasureHere => "distance ruler dimension",
         C::SectionPlane => "clip cut cross-section meridional axial",
         C::SwitchTheme => "dark light mode appearance",
@@ -285,6 +288,9 @@ mod tests {
             ("larger", Command::TextLarger),
             ("passes layer", Command::PassesByLayer),
             ("colour walls", Command::PassesByWalls),
+            ("compare all", Command::CompareAll),
+            ("strateg", Command::CompareAll),
+            ("note", Command::DismissProblems),
         ] {
             assert_eq!(find_commands(words).first(), Some(&first), "{words}");
         }

@@ -6,7 +6,6 @@ use egui::{CentralPanel, RichText, ScrollArea, Ui};
 use crate::app::App;
 use crate::app::model::look::{Operation, Tab};
 use crate::app::model::panels::DockPanel;
-use crate::app::model::problem::Problem;
 use crate::app::views::command::Command;
 use crate::app::views::panels;
 use crate::app::views::theme;
@@ -67,10 +66,10 @@ impl App {
         if let Some(command) = asked.flatten() {
             self.run_command(ui.ctx(), command);
         }
-        let setup = &mut self.state.document.edited.setup;
-        let fault = heading(ui, "Machine", fresh, |ui| panels::setup::machine(ui, setup));
-        if let Some(error) = fault.flatten() {
-            self.state.report_problem(Problem::from(&error));
+        let (setup, machines) = (&self.state.document.edited.setup, &self.state.machines);
+        let chosen = heading(ui, "Machine", fresh, |ui| panels::machine::show(ui, setup, machines));
+        if let Some(choice) = chosen.flatten() {
+            self.choose_machine(ui.ctx(), choice);
         }
         if let Some(command) =
             heading(ui, "Variants", fresh, |ui| panels::whatif::show(ui, &mut self.state)).flatten()

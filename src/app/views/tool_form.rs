@@ -2,12 +2,14 @@
 
 use std::cell::RefCell;
 
-use egui::{DragValue, Id, Response, TextEdit, Ui};
+use egui::{DragValue, Id, Rect, Response, TextEdit, Ui};
 
 use super::panels::fields::{self, FieldSpec};
+use super::theme::Condition;
 use super::typed::{self, Typed, TypedLimits};
-use super::{tool_drawing, units};
+use super::{field_faults, tool_drawing, units};
 use crate::app::model::number::Quantity;
+use crate::app::model::units::DisplayUnits;
 use crate::geometry::without_conversion_error;
 use crate::io::tool_file::{MAX_NAME, MAX_NUMBER, MAX_SEGMENTS, MAX_TEETH};
 use crate::setup::Tool;
@@ -117,12 +119,34 @@ pub fn show_fields(ui: &mut Ui, tool: &mut Tool) {
     let overhang = tool.overhang;
     // No thinner than the cutter: one that is not looked at is not too small for the checks.
     let shank = [tool.diameter, 0.5 * overhang];
-    segments(ui, "Shank", &["diameter", "length"], &mut tool.assembly.shank, shank);
+    let rows = segments(ui, "Shank", &["diameter", "length"], &mut tool.assembly.shank, shank);
+    if let Some((at, text)) = rows.zip(beyond_stick_out(tool, units::display_units(ui))) {
+        field_faults::mark(ui, at, &text, (Condition::Blocked, 1.0));
+    }
     let lower = 2.0 * tool.diameter;
     let heads = ["lower diameter", "upper diameter", "length"];
     segments(ui, "Holder", &heads, &mut tool.assembly.holder, [lower, lower, 2.0 * lower]);
     more_fields(ui, tool);
     fit(tool);
+}
+
+/// What is said where flutes and shank together are longer than the stick-out; `None` where they are not.
+fn beyond_stick_out(tool: &Tool, units: DisplayUnits) -> Option<String> {
+    /// Less is rounding, mm.
+    const TOLERANCE: f64 = 1e-6;
+    let more = &tool.assembly;
+    let flutes = more.flutes_end(tool.overhang);
+    let shank: f64 = more.shank.iter().map(|[_, length]| length).sum();
+    let length = |mm: f64| format!("{} {}", units.short(mm, 3), units.length_unit());
+    (flutes + shank > tool.overhang + TOLERANCE).then(|| {
+        format!(
+            "flutes of {} and shank of {} are longer than the stick-out of {}: the shank is taken to end \
+             there; make the stick-out longer, or the shank shorter",
+            length(flutes),
+            length(shank),
+            length(tool.overhang)
+        )
+    })
 }
 
 /// Fits the tool, and says at its fields in `form` what that changed.
@@ -186,15 +210,15 @@ fn more_fields(ui: &mut Ui, tool: &mut Tool) {
 }
 
 /// Rows of the segments of a shank or holder, from the cutter towards the spindle, with buttons to add and
-/// remove.
+/// remove. Returns where the last one is.
 fn segments<const N: usize>(
     ui: &mut Ui,
     what: &str,
     heads: &[&str; N],
     rows: &mut Vec<[f64; N]>,
     new: [f64; N],
-) {
-    let mut remove = None;
+) -> Option<Rect> {
+    let (mut remove, mut last) = (None, None);
     let form = ui.scope_id();
     if !rows.is_empty() {
         ui.label(egui::RichText::new(format!("{what}: {}", heads.join(", "))).weak());
@@ -214,6 +238,7 @@ fn segments<const N: usize>(
                 remove = Some(k);
             }
         });
+        last = Some(line.response.rect);
         typed::show(ui, form, &name, PIECE, line.response.rect);
     }
     if let Some(k) = remove {
@@ -226,6 +251,7 @@ fn segments<const N: usize>(
         let last = rows.last().copied();
         rows.push(last.unwrap_or(new));
     }
+    last
 }
 
 /// Value that the notes of a piece go by: it has several fields.

@@ -341,9 +341,9 @@ impl<'a> Reader<'a> {
     }
 
     fn number(&self, line: usize, word: &str, token: &str) -> Result<f64, InputError> {
-        source::number(token).map_err(|what| {
+        source::number(token).map_err(|fault| {
             self.source
-                .fault(line, format!("{word}: {what}"), "correct or export again")
+                .fault(line, format!("{word}: {}", fault.message), "correct or export again")
                 .with_code(ErrorCode::InvalidNumber)
         })
     }

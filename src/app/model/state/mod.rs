@@ -21,6 +21,7 @@ use crate::app::model::field_faults::{FaultyField, FieldFault, ReplacedValue};
 use crate::app::model::flank_run::FlankRun;
 use crate::app::model::look::{Arrangement, Look, Operation};
 use crate::app::model::machine::{AxisDemand, ProgramOnMachine};
+use crate::app::model::machine_list::MachineList;
 use crate::app::model::part_source::PartSource;
 use crate::app::model::planned::{DisplayPlan, Side};
 use crate::app::model::preview::PreviewCutters;
@@ -88,6 +89,8 @@ pub struct AppState {
     pub problems: Vec<Problem>,
     /// Recovery copies of sessions that ended without closing.
     pub recoverable: Vec<RecoveryCopy>,
+    /// Machine files that setups of this session name.
+    pub machines: MachineList,
     /// Recently opened projects and parts, latest first.
     pub recents: Vec<PathBuf>,
     /// Latest message.
@@ -114,6 +117,7 @@ impl Default for AppState {
             auto_update: true,
             problems: Vec::new(),
             recoverable: Vec::new(),
+            machines: MachineList::default(),
             recents: Vec::new(),
             notice: None,
             opening: None,

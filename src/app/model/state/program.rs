@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::AppState;
 use crate::app::model::checked::{CheckRequest, CheckedProgram, FileChange, ProgramFinding, StaleCheck};
-use crate::app::model::look::{Operation, REVEAL};
+use crate::app::model::look::{DEFAULT_MACHINE, Operation, REVEAL};
 use crate::app::model::problem::Topic;
 
 impl AppState {
@@ -32,8 +32,14 @@ impl AppState {
     /// The check of a program against the present setup; `None` without a part.
     pub fn check_request_of(&self, path: PathBuf) -> Option<CheckRequest> {
         let part = Arc::clone(&self.document.part.as_ref()?.impeller);
-        let (machine, control) = (self.look.check_machine.clone(), self.look.check_control.clone());
+        let (machine, control) = (self.check_machine().to_owned(), self.look.check_control.clone());
         Some(CheckRequest { path, machine, control, part, setup: self.document.edited.setup.clone() })
+    }
+
+    /// Machine that NC code is read for: the one that was chosen or exported for, else that of the setup.
+    pub fn check_machine(&self) -> &str {
+        let of_setup = self.document.edited.setup.machine.file.as_deref();
+        self.look.check_machine.as_deref().or(of_setup).unwrap_or(DEFAULT_MACHINE)
     }
 
     /// Notes that a check of the program at `path` failed.

@@ -216,7 +216,7 @@ impl Prompt {
         self.fresh = true;
     }
 
-    /// The file that is named; a missing ending is added when saving.
+    /// The file that is named; a missing ending is added where one is required.
     ///
     /// # Errors
     /// What is wrong with the name, and what to do; empty while there is none.
@@ -230,7 +230,7 @@ impl Prompt {
             return Ok(path);
         }
         let endings = self.purpose.filter().1;
-        if self.purpose.saves() {
+        if self.purpose.requires_ending() {
             match (path.extension(), endings.first()) {
                 (None, Some(ending)) => {
                     path.set_extension(ending);
@@ -241,6 +241,8 @@ impl Prompt {
                 }
                 _ => {}
             }
+        }
+        if self.purpose.saves() {
             let folder = path.parent().unwrap_or(Path::new(""));
             if !folder.is_dir() {
                 return Err(format!("The folder {} does not exist", folder.display()));

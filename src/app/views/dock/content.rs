@@ -116,9 +116,18 @@ impl App {
             // Higher than its content, where nothing else stands in its column.
             let fill_height = (height > *details_height + 1.0).then_some(ui.available_height());
             let measured = (self.selected_position(ui, fill_height) + margin(panel).sum().y).ceil();
-            if fill_height.is_none() && measured != *details_height {
-                *details_height = measured;
+            // Its tabs stay where they are while the content changes: it is as high as its highest content
+            // in a window of this size.
+            let (key, window) =
+                (Id::unique("size of the window of the details"), ui.ctx().content_rect().size());
+            let is_same = ui.data(|data| data.get_temp::<Vec2>(key)) == Some(window);
+            let wanted = if is_same { measured.max(*details_height) } else { measured };
+            if fill_height.is_none() && wanted != *details_height {
+                *details_height = wanted;
                 ui.ctx().request_repaint();
+            }
+            if fill_height.is_none() {
+                ui.data_mut(|data| data.insert_temp(key, window));
             }
         } else {
             self.scrolled_panel(ui, panel, None);

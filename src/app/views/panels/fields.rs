@@ -8,6 +8,7 @@ use std::path::Path;
 
 use egui::{Color32, ComboBox, DragValue, Grid, Response, Sense, Slider, Ui, Vec2};
 
+use crate::app::model::machine_list::MachineList;
 use crate::app::model::number::Quantity;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::typed::{self, Typed, TypedLimits};
@@ -297,26 +298,43 @@ pub fn switch_row(ui: &mut Ui, value: &mut bool, default: bool, name: &str, (wor
     ui.end_row();
 }
 
-/// A row with a list of names; the chosen one may be a file, which stands before the others.
-pub fn name_row(
+/// A row with a list of machines.
+pub fn machine_row(ui: &mut Ui, (name, tip): (&str, &str), chosen: &mut String, machines: &MachineList) {
+    let known = machines.entries(Some(chosen));
+    name_row(ui, (name, tip), chosen, known, |machine| machines.label_of(machine), |_| {});
+}
+
+/// A row with a list of controls; the chosen one may be the file of a post, which stands before the others.
+pub fn control_row(
     ui: &mut Ui,
-    name: &str,
-    tip: &str,
+    (name, tip): (&str, &str),
     chosen: &mut String,
-    known: impl Iterator<Item = String>,
+    known: impl Iterator<Item = &'static str>,
     more: impl FnOnce(&mut Ui),
 ) {
-    let label = ui.label(name).on_hover_text(tip);
-    let known: Vec<String> = known.collect();
+    let known: Vec<String> = known.map(str::to_owned).collect();
     let own: Vec<String> = Some(chosen.clone()).into_iter().filter(|name| !known.contains(name)).collect();
     let short = |name: &str| match Path::new(name).file_name() {
         Some(file) => file.to_string_lossy().into_owned(),
         None => name.to_owned(),
     };
+    name_row(ui, (name, tip), chosen, [own, known].concat(), short, more);
+}
+
+/// A row with a list of `names`, as `short` shows them.
+fn name_row(
+    ui: &mut Ui,
+    (name, tip): (&str, &str),
+    chosen: &mut String,
+    names: Vec<String>,
+    short: impl Fn(&str) -> String,
+    more: impl FnOnce(&mut Ui),
+) {
+    let label = ui.label(name).on_hover_text(tip);
     ui.horizontal(|ui| {
         let list = ComboBox::from_id_salt(name).width(theme::FIELD_WIDTH).truncate();
         let list = list.selected_text(short(chosen)).show_ui(ui, |ui| {
-            for name in own.into_iter().chain(known) {
+            for name in names {
                 let label = short(&name);
                 ui.selectable_value(chosen, name, label);
             }

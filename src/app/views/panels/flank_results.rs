@@ -3,6 +3,7 @@
 
 use egui::{Grid, RichText, ScrollArea, Ui};
 
+use crate::flank::UncutLength;
 use crate::flank::choice::overhang_note;
 use crate::io::flank_file::ShownWall;
 use crate::job::flank::FlankOutcome;
@@ -13,8 +14,10 @@ use super::figures::{divide, divided_figure};
 use super::flank::{strategy_label, wall_side_words};
 use crate::app::model::figures::{
     ABOVE_SCALLOP, ABOVE_SCALLOP_TIP, MAX_GOOD_UNCUT_SHARE, flank_times_tip, format_duration, format_percent,
-    format_times, skipped_length,
+    format_times,
 };
+use crate::app::model::flank_skips::{SkippedReason, skipped_by_reason, skipped_length};
+use crate::app::model::problem::as_sentence;
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
 use crate::app::model::verdict::{self, count_skipped_stretches};
@@ -45,9 +48,9 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
     }
     if skipped > 0 {
         let text = RichText::new(count_skipped_stretches(skipped)).color(amber);
-        ui.label(text).on_hover_text(
-            "Stretches of passes that are not cut: no axis reaches them, or they are too short",
-        );
+        let line = |SkippedReason { message, stretches }| format!("\n{message}: {}", stretches.len());
+        let reasons: String = skipped_by_reason(&outcome.plan.uncut).into_iter().map(line).collect();
+        ui.label(text).on_hover_text(format!("Stretches of passes that are not cut:{reasons}"));
     }
     let units = state.look.units;
     let [gouge, left] = [outcome.max_overcut(), outcome.max_undercut()];
@@ -163,6 +166,22 @@ fn faults(ui: &mut Ui, outcome: &FlankOutcome) {
     }
 }
 
+/// Draws the reasons of skipped stretches of passes, with number and length of each.
+fn skipped(ui: &mut Ui, uncut: &[UncutLength], units: DisplayUnits) {
+    Grid::new("skipped passes").num_columns(3).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
+        for head in ["Reason", "Stretches", "Length"] {
+            ui.label(RichText::new(head).weak());
+        }
+        ui.end_row();
+        for SkippedReason { message, stretches } in skipped_by_reason(uncut) {
+            ui.add(egui::Label::new(as_sentence(message.to_owned())).wrap());
+            ui.label(stretches.len().to_string());
+            ui.label(skipped_length(&stretches, units));
+            ui.end_row();
+        }
+    });
+}
+
 fn table(ui: &mut Ui, outcome: &FlankOutcome) {
     let (plan, curves) = (&outcome.plan, &outcome.plan.layout);
     let units = units::display_units(ui);
@@ -223,8 +242,9 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
         ));
     }
     if !plan.uncut.is_empty() {
-        let lost = skipped_length(plan, units);
-        ui.label(format!("{lost} of passes are skipped: no axis reaches them, or they are too short"));
+        let lost = skipped_length(&plan.uncut, units);
+        ui.label(format!("{lost} of passes are skipped:"));
+        skipped(ui, &plan.uncut, units);
         if let Some(note) = overhang_note(&plan.tool, &plan.uncut, &outcome.workpiece.part) {
             ui.label(note);
         }

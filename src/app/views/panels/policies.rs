@@ -10,6 +10,7 @@ use crate::app::model::figures::{
     policy_tip, times_tip,
 };
 use crate::app::model::planned::DisplayPlan;
+use crate::app::views::command::Command;
 use crate::app::views::theme::Condition;
 use crate::app::views::units;
 
@@ -21,7 +22,7 @@ pub fn show(
     (planned, is_stale): (Option<&DisplayPlan>, bool),
     preview: Option<&DisplayPlan>,
 ) {
-    ui.checkbox(compare, "Compare all strategies")
+    ui.checkbox(compare, Command::CompareAll.label())
         .on_hover_text("The next calculation plans every strategy, not only the chosen one");
     let Some(whole) = planned.or(preview) else { return };
     for policy in AxisPolicy::ALL {

@@ -11,7 +11,6 @@ use crate::app::model::problem::as_sentence;
 use crate::app::model::state::AppState;
 use crate::app::views::theme::Condition;
 use crate::app::views::units;
-use crate::io::machine_file::built_in_names;
 use crate::io::nc::built_in_posts;
 
 /// Maximum number of faults that are listed.
@@ -62,14 +61,15 @@ const OF_MACHINE: &str = "of the machine";
 /// Draws what was checked.
 pub fn form(ui: &mut Ui, state: &mut AppState) {
     Grid::new("check target").num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
-        let own = state.document.edited.setup.machine.file.clone();
-        let is_own = |file: &String| !built_in_names().any(|known| known == *file);
-        let machines = own.into_iter().filter(is_own).chain(built_in_names().map(str::to_owned));
+        let mut machine = state.check_machine().to_owned();
+        fields::machine_row(ui, ("NC machine", MACHINE_TIP), &mut machine, &state.machines);
+        if machine != state.check_machine() {
+            state.look.check_machine = Some(machine);
+        }
         let look = &mut state.look;
-        fields::name_row(ui, "NC machine", MACHINE_TIP, &mut look.check_machine, machines, |_| {});
         let mut control = look.check_control.clone().unwrap_or_else(|| OF_MACHINE.to_owned());
-        let controls = [OF_MACHINE].into_iter().chain(built_in_posts()).map(str::to_owned);
-        fields::name_row(ui, "NC control", CONTROL_TIP, &mut control, controls, |_| {});
+        let controls = [OF_MACHINE].into_iter().chain(built_in_posts());
+        fields::control_row(ui, ("NC control", CONTROL_TIP), &mut control, controls, |_| {});
         look.check_control = Some(control).filter(|control| control != OF_MACHINE);
     });
     let Some(checked) = &state.results.checked else { return };

@@ -1,12 +1,7 @@
-//! Panels "Plunge", "Allowances" and "Machine": policy, limits, allowances, clearances and machine of the
-//! setup.
-
-use std::path::Path;
+//! Panels "Plunge" and "Allowances": policy, limits, allowances and clearances of the setup.
 
 use egui::{ComboBox, Key, PopupCloseBehavior, RichText, Role, TextEdit, Ui, WidgetInfo};
 
-use crate::io::InputError;
-use crate::io::machine_file::built_in_names;
 use crate::part::BlankShape;
 use crate::setup::cutting_data::{CUTTING_DATA, CuttingData};
 use crate::setup::{AxisPolicy, Setup};
@@ -15,7 +10,6 @@ use super::fields::{self, ChoiceSpec, FieldSpec};
 use super::goal::goal_rows;
 use crate::app::model::figures::{policy_label, policy_tip};
 use crate::app::model::known_goals::KnownGoals;
-use crate::app::model::machine::choose_machine;
 use crate::app::model::setup_tools;
 use crate::app::views::command::Command;
 use crate::app::views::theme::{self, Condition};
@@ -307,47 +301,4 @@ pub fn stock(ui: &mut Ui, setup: &mut Setup, defaults: &Setup) -> Option<Command
         ui.add(egui::Label::new(text).wrap()).on_hover_text(TOO_FAST_TIP);
     }
     asks_for_file.then_some(Command::OpenBlank)
-}
-
-const MACHINE_TIP: &str = "Machine that the program is for. The timeline shows where its axes stand, and the\n\
-     planner keeps to the tilt that it reaches. Machine files are given in the setup file: `[machine] file`";
-
-/// Draws the list of machines; returns why one could not be chosen.
-pub fn machine(ui: &mut Ui, setup: &mut Setup) -> Option<InputError> {
-    let mut fault = None;
-    fields::form(ui, "machine fields", |ui| {
-        let label = ui.label("Machine").on_hover_text(MACHINE_TIP);
-        let chosen = setup.machine.file.clone();
-        let name = |file: &str| match Path::new(file).file_name() {
-            Some(name) => name.to_string_lossy().into_owned(),
-            None => file.to_owned(),
-        };
-        let mut wanted = chosen.clone();
-        let shown = chosen.as_deref().map_or_else(|| "None".to_owned(), name);
-        ui.horizontal(|ui| {
-            ComboBox::from_id_salt("machine")
-                .width(theme::FIELD_WIDTH)
-                .truncate()
-                .selected_text(shown)
-                .show_ui(ui, |ui| {
-                    ui.selectable_value(&mut wanted, None, "None");
-                    let is_own = |file: &&String| !built_in_names().any(|known| known == **file);
-                    let own = chosen.iter().filter(is_own).cloned();
-                    for file in own.chain(built_in_names().map(str::to_owned)) {
-                        let label = name(&file);
-                        ui.selectable_value(&mut wanted, Some(file), label);
-                    }
-                })
-                .response
-                .labelled_by(label.id);
-            if chosen.is_some() && fields::reset_dot(ui, "Machine") {
-                wanted = None;
-            }
-        });
-        ui.end_row();
-        if wanted != chosen {
-            fault = choose_machine(setup, wanted.as_deref()).err();
-        }
-    });
-    fault
 }

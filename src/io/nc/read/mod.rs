@@ -16,6 +16,7 @@ use crate::io::InputError;
 use crate::io::source::{self, Source};
 use machine_state::NcState;
 pub use reading::{AxisOverrun, NcReading, ReadContext};
+use words::{NcFault, NcWord};
 
 /// Largest number of lines.
 const MAX_LINES: usize = 2_000_000;
@@ -40,11 +41,11 @@ pub fn read_nc(
     context: &ReadContext<'_>,
 ) -> Result<NcReading, InputError> {
     let source = Source::new(name, ErrorCode::NcBlock);
-    let text = source::program_text(source, bytes)?;
+    let whole = source::program_text(source, bytes)?;
     let mut state = NcState::new(source, dialect, context);
     let mut words = Vec::with_capacity(16);
     let mut lines = 0;
-    for (line, text) in (1..).zip(text.lines()) {
+    for (line, text) in (1..).zip(whole.lines()) {
         lines = line;
         if line > MAX_LINES {
             return Err(source
@@ -52,13 +53,40 @@ pub fn read_nc(
                 .with_code(ErrorCode::FileTooLarge));
         }
         words.clear();
-        let read = match dialect {
-            Dialect::Heidenhain => klartext::words(text, &mut words),
-            Dialect::Siemens => sinumerik::words(text, &mut words),
-            Dialect::Fanuc | Dialect::Haas | Dialect::LinuxCnc => iso::words(dialect, text, &mut words),
-        };
-        read.map_err(|fault| source.fault(line, fault.what, fault.help))?;
+        read_words(dialect, text, &mut words).map_err(|fault| {
+            let help = help_of_another(dialect, &whole, line).unwrap_or_else(|| fault.help.to_owned());
+            source.fault(line, fault.what, help)
+        })?;
         state.block(line, &words)?;
     }
     state.finish(lines)
+}
+
+/// Reads one line by the grammar of a dialect.
+fn read_words(dialect: Dialect, text: &str, words: &mut Vec<NcWord>) -> Result<(), NcFault> {
+    match dialect {
+        Dialect::Heidenhain => klartext::words(text, words),
+        Dialect::Siemens => sinumerik::words(text, words),
+        Dialect::Fanuc | Dialect::Haas | Dialect::LinuxCnc => iso::words(dialect, text, words),
+    }
+}
+
+/// What to do where a line is not of `dialect`, but the program up to well behind that line is of others;
+/// `None` where it is of no other either.
+fn help_of_another(dialect: Dialect, text: &str, line: usize) -> Option<String> {
+    /// Number of lines behind the faulty one that have to be of the other dialect, too.
+    const BEHIND: usize = 2000;
+    let reads = |other: &Dialect| {
+        let mut words = Vec::with_capacity(16);
+        text.lines().take(line + BEHIND).all(|text| {
+            words.clear();
+            read_words(*other, text, &mut words).is_ok()
+        })
+    };
+    let others = Dialect::ALL.into_iter().filter(|other| *other != dialect);
+    let names: Vec<&str> = others.filter(reads).map(Dialect::name).collect();
+    (!names.is_empty()).then(|| {
+        let (own, names) = (dialect.name(), names.join(" or "));
+        format!("this seems to be a program for {names}, not for {own}: choose its control to read it")
+    })
 }
