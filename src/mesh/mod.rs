@@ -7,6 +7,7 @@ mod creases;
 pub mod describe;
 pub(crate) mod disjoint_sets;
 mod edge_curve;
+mod edge_lines;
 mod edges;
 mod end_faces;
 mod fillets;
