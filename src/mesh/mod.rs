@@ -28,6 +28,7 @@ mod rows;
 mod rulings;
 mod sections;
 mod segment;
+mod shroud_ends;
 mod sides;
 pub mod solid;
 mod span_sections;
