@@ -7,6 +7,7 @@ use super::TriangleMesh;
 use super::meridional_area::{MeridionalArea, Neighbourhood};
 use super::round::{SECTORS, is_round, radii, sectors_met};
 use super::surface::MeshSurface;
+use super::weld::NONE;
 use crate::geometry::{Meridional, Point, Vector, norm2};
 
 /// Shares of a blade's area and volume below which a body is a sliver.
@@ -313,8 +314,9 @@ fn joined<'a>(surfaces: impl Iterator<Item = &'a MeshSurface>) -> MeshSurface {
     }
     let (mut mesh, mut faces) = (TriangleMesh::default(), Vec::new());
     for surface in surfaces {
-        let first = faces.iter().max().map_or(0, |last: &u32| last + 1);
-        faces.extend(surface.faces.iter().map(|face| face + first));
+        let first = faces.iter().filter(|face| **face != NONE).max().map_or(0, |last: &u32| last + 1);
+        let number = |face: &u32| if *face == NONE { NONE } else { face + first };
+        faces.extend(surface.faces.iter().map(number));
         mesh.append(&TriangleMesh { points: surface.points.clone(), triangles: surface.triangles.clone() });
     }
     MeshSurface::of_faces(&mesh, faces)

@@ -16,6 +16,7 @@ use super::rows::{BladeRows, separate_blades};
 use super::rulings::Rulings;
 use super::sections::ChannelCoordinates;
 use super::segment::{Segments, segment_wheel};
+use super::shroud_ends::{extend_ahead, gone_on};
 use super::sides::{SideCurve, SpanSection};
 use super::span_sections::span_sections;
 use super::surface::MeshSurface;
@@ -29,8 +30,6 @@ use crate::part::{BladeDescription, CurveDescription, Impeller, PartDescription,
 
 /// Number of points of a side of a section.
 const SECTION_POINTS: usize = 180;
-/// Number of points of a straight piece before the beginning of a hub.
-const AHEAD: usize = 16;
 /// Largest distance of the fitted straight lines from a side that is treated as ruled, mm.
 const STRAIGHT: f64 = 0.012;
 /// Largest distance of a corner from the curve of hub or shroud: mm, and share of the diameter.
@@ -262,8 +261,14 @@ fn describe_roles(
     let through = |profile: &FittedProfile| MeridionalCurve::through(&profile.points);
     // With whether the tips turn into leading and trailing edge past its ends.
     let (shroud_curve, past_tips) = match fitted_shroud {
-        Some(shroud) => {
-            let past = goes_past(&main, &through(&shroud), tolerance);
+        Some(mut shroud) => {
+            let mut past = goes_past(&main, &through(&shroud), tolerance);
+            if !past && let Some(ahead) = extend_ahead(&mut shroud, &hub_curve.points, &main) {
+                notes.push(format!(
+                    "the blades begin {ahead:.2} mm ahead of the shroud, which goes on along their tips"
+                ));
+                past = goes_past(&main, &through(&shroud), tolerance);
+            }
             (shroud, past)
         }
         None => {
@@ -363,13 +368,6 @@ struct NamedBody {
     /// Whether the user says it.
     given: bool,
     mesh: TriangleMesh,
-}
-
-/// The points of a curve with those of a straight piece of a length, mm, before its beginning.
-fn gone_on(points: &[Meridional], length: f64) -> Vec<Meridional> {
-    let curve = MeridionalCurve::through(points);
-    let before = (0..AHEAD).map(|k| curve.point(length * (k as f64 / AHEAD as f64 - 1.0)));
-    before.chain(points.iter().copied()).collect()
 }
 
 /// Whether the tips of a blade go on past an end of its shroud, straight within `tolerance`, mm.

@@ -29,16 +29,15 @@ pub fn find_jump(sections: &[SpanSection]) -> Option<EdgeJump> {
     let length = sections.iter().map(|s| (end_of(s, 0, 1) - end_of(s, 0, 0)).norm()).fold(0.0, f64::max);
     let mut found: Option<EdgeJump> = None;
     for (end, edge) in [(0, "leading edge"), (1, "trailing edge")] {
-        let gap = |s: &SpanSection| Vector::new(s.gaps[end], 0.0, 0.0);
-        let place = |s: &SpanSection| end_of(s, 0, end);
-        let other = |s: &SpanSection| end_of(s, 1, end);
-        let largest = |values: &dyn Fn(&SpanSection) -> Vector, parts: bool| {
-            let values: Vec<Vector> = sections.iter().map(values).collect();
-            let (k, by) = largest_irregularity(&values, parts)?;
-            let middle = Point::from(0.5 * (place(&sections[k]) + place(&sections[k + 1])));
-            Some(EdgeJump { is_gap: parts && by > TEAR * length, edge, size_mm: by, at: middle })
+        let places = |side: usize| sections.iter().map(|s| end_of(s, side, end)).collect::<Vec<Vector>>();
+        let gaps: Vec<f64> = sections.iter().map(|s| s.gaps[end]).collect();
+        let jump = |found: Option<(usize, f64)>, of_gap: bool| {
+            let (k, size_mm) = found?;
+            let at = Point::from(0.5 * (end_of(&sections[k], 0, end) + end_of(&sections[k + 1], 0, end)));
+            Some(EdgeJump { is_gap: of_gap && size_mm > TEAR * length, edge, size_mm, at })
         };
-        let jumps = [largest(&gap, true), largest(&place, false), largest(&other, false)];
+        let turns = [0, 1].map(|side| jump(largest_turn(&places(side)), false));
+        let jumps = [jump(largest_step(&gaps), true), turns[0], turns[1]];
         for jump in jumps.into_iter().flatten().filter(|jump| jump.size_mm > JUMP * length) {
             if found.is_none_or(|f| (jump.is_gap, jump.size_mm) > (f.is_gap, f.size_mm)) {
                 found = Some(jump);
@@ -49,24 +48,45 @@ pub fn find_jump(sections: &[SpanSection]) -> Option<EdgeJump> {
 }
 
 /// The step between neighbouring values that differs most from the mean of its neighbours (extrapolated at
-/// the ends), and the difference: all of it with `whole`, else its part across the direction of that mean, as
-/// places are not evenly spaced along an edge.
-fn largest_irregularity(values: &[Vector], whole: bool) -> Option<(usize, f64)> {
-    let steps: Vec<Vector> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+/// the ends), and the difference.
+fn largest_step(values: &[f64]) -> Option<(usize, f64)> {
+    let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let expected = |k: usize| match (k.checked_sub(1), steps.get(k + 1)) {
         (Some(before), Some(behind)) => Some(0.5 * (steps[before] + behind)),
         (None, Some(behind)) => steps.get(2).map(|further| 2.0 * behind - further),
         (Some(before), None) => Some(2.0 * steps[before] - steps[before.checked_sub(1)?]),
         (None, None) => None,
     };
-    (0..steps.len())
-        .filter_map(|k| {
-            let expected = expected(k)?;
-            let off = steps[k] - expected;
-            let along = expected.try_normalize(1e-12).filter(|_| !whole);
-            Some((k, (off - along.map_or_else(Vector::zeros, |e| e * e.dot(&off))).norm()))
-        })
-        .max_by(|a, b| a.1.total_cmp(&b.1))
+    let off = |k: usize| Some((k, (steps[k] - expected(k)?).abs()));
+    (0..steps.len()).filter_map(off).max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The step between neighbouring places whose direction differs most from that between its neighbours
+/// (extrapolated at the ends), and how far it is aside of that. Places are not evenly spaced along an edge:
+/// directions change with the way along it.
+fn largest_turn(places: &[Vector]) -> Option<(usize, f64)> {
+    let steps: Vec<Vector> = places.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let lengths: Vec<f64> = steps.iter().map(|step| step.norm().max(1e-12)).collect();
+    let direction = |k: usize| steps[k] / lengths[k];
+    // The direction at the middle of step `k` on the line through those at the middles of two others.
+    let expected = |k: usize| -> Option<Vector> {
+        let last = steps.len().checked_sub(1).filter(|last| *last > 1)?;
+        let (a, b) = if k == 0 {
+            (1, 2)
+        } else if k == last {
+            (k - 1, k - 2)
+        } else {
+            (k - 1, k + 1)
+        };
+        let middle = |i: usize| lengths[..i].iter().sum::<f64>() + 0.5 * lengths[i];
+        let share = (middle(k) - middle(a)) / (middle(b) - middle(a));
+        (direction(a) + (direction(b) - direction(a)) * share).try_normalize(1e-12)
+    };
+    let off = |k: usize| {
+        let expected = expected(k)?;
+        Some((k, (steps[k] - expected * expected.dot(&steps[k])).norm()))
+    };
+    (0..steps.len()).filter_map(off).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 #[cfg(test)]
@@ -77,21 +97,27 @@ mod tests {
     fn a_jump_is_distinguished_from_a_curved_edge() {
         let curved: Vec<Vector> =
             (0..13).map(|k| Vector::new(0.1 * f64::from(k * k), f64::from(k), 0.0)).collect();
-        let largest = |values: &[Vector]| largest_irregularity(values, false).expect("enough of them");
+        let largest = |places: &[Vector]| largest_turn(places).expect("enough of them");
         assert!(largest(&curved).1 < 0.11);
         for from in 1..13 {
             let mut jumped = curved.clone();
             jumped[..from].iter_mut().for_each(|v| v.z += 5.0);
             let (k, by) = largest(&jumped);
-            assert!(by > 4.8, "{from}: {by} at {k}");
+            assert!(by > 3.0, "{from}: {by} at {k}");
         }
     }
 
     #[test]
     fn uneven_distances_along_an_edge_are_not_a_jump() {
-        let uneven: Vec<Vector> =
-            (0..13).map(|k| Vector::new(0.0, f64::from(k) + 0.4 * f64::from(k % 2), 0.0)).collect();
-        assert!(largest_irregularity(&uneven, false).expect("enough of them").1 < 1e-9);
-        assert!(largest_irregularity(&uneven, true).expect("enough of them").1 > 0.7);
+        let uneven = |k: i32| f64::from(k) + 0.4 * f64::from(k % 2);
+        let straight: Vec<Vector> = (0..13).map(|k| Vector::new(0.0, uneven(k), 0.0)).collect();
+        assert!(largest_turn(&straight).expect("enough of them").1 < 1e-9);
+        let gaps: Vec<f64> = (0..13).map(uneven).collect();
+        assert!(largest_step(&gaps).expect("enough of them").1 > 0.7);
+        // The distances grow along an arc, as they do towards the tip of a trailing edge that is high there.
+        let at = |k: i32| 0.05 * 1.25_f64.powi(k);
+        let arc: Vec<Vector> =
+            (0..13).map(|k| Vector::new(40.0 * at(k).cos(), 40.0 * at(k).sin(), 0.0)).collect();
+        assert!(largest_turn(&arc).expect("enough of them").1 < 0.08);
     }
 }

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::creases::{find_creases, find_curvature_jumps};
 use super::edge_curve::EdgeCurve;
+use super::edge_lines::EdgeLines;
 use super::normals::{CornerNormals, ExactNormals};
 use super::surface::{MeshSurface, SHARP};
 use super::weld::NONE;
@@ -185,6 +186,8 @@ pub struct BladeSlicer<'a> {
     /// Of each triangle, whether it meets its neighbours smoothly.
     smooth: Vec<[bool; 3]>,
     normals: CornerNormals,
+    /// Directions of the edges of a mesh without exact normals.
+    lines: EdgeLines,
 }
 
 impl<'a> BladeSlicer<'a> {
@@ -207,7 +210,8 @@ impl<'a> BladeSlicer<'a> {
         let jumps = find_curvature_jumps(surface);
         let mut normals = CornerNormals::new(surface, &smooth, &jumps);
         normals.replace_by(surface, exact);
-        Self { surface, band, places, smooth, normals }
+        let lines = if exact.is_empty() { EdgeLines::new(surface, &smooth) } else { EdgeLines::default() };
+        Self { surface, band, places, smooth, normals, lines }
     }
 
     /// (along, height) of the corners.
@@ -287,7 +291,10 @@ impl<'a> BladeSlicer<'a> {
         let edge = !self.smooth[t][k];
         let chord = b - a;
         let tangent = |n: &Vector| chord - n * n.dot(&chord);
+        let along_line =
+            if edge { self.lines.tangents(self.surface, [corners[k], corners[next]]) } else { None };
         let (ta, tb) = match across {
+            _ if let Some([from, to]) = along_line => (from, to),
             // A sharp edge is tangential to both of its faces.
             other if edge && other != NONE => {
                 let there = |corner: u32| {

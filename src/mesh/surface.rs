@@ -27,14 +27,14 @@ pub struct MeshSurface {
     /// edge of more than two triangles).
     pub neighbours: Vec<[u32; 3]>,
     /// Per triangle, the number of its face: connected triangles of the given mesh, before welding, form one.
-    /// [`NONE`]: no face.
+    /// [`NONE`]: no face, as in a mesh of single triangles.
     pub faces: Vec<u32>,
 }
 
 impl MeshSurface {
     /// The surface of a mesh.
     pub fn from_mesh(mesh: &TriangleMesh) -> Self {
-        Self::of_faces(mesh, connected(&mesh.triangles, mesh.points.len()))
+        Self::of_faces(mesh, faces_of(mesh))
     }
 
     /// As [`Self::from_mesh`], with given face numbers of the triangles.
@@ -260,6 +260,16 @@ impl MeshSurface {
 }
 
 /// Labels the triangles by connected component over shared corners; `count` is the number of corners.
+/// The numbers of the faces of the triangles of a mesh. Where most triangles share no corner with another
+/// one, as in STL, they tell no faces.
+fn faces_of(mesh: &TriangleMesh) -> Vec<u32> {
+    let faces = connected(&mesh.triangles, mesh.points.len());
+    let mut sizes = vec![0_u32; mesh.points.len()];
+    faces.iter().for_each(|face| sizes[*face as usize] += 1);
+    let alone = faces.iter().filter(|face| sizes[**face as usize] == 1).count();
+    if 2 * alone > faces.len() { vec![NONE; faces.len()] } else { faces }
+}
+
 fn connected(triangles: &[[u32; 3]], count: usize) -> Vec<u32> {
     let mut sets = DisjointSets::new(count);
     for &[a, b, c] in triangles {
@@ -286,4 +296,22 @@ fn neighbours(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
         }
     }
     neighbours
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn single_triangles_tell_no_faces_and_those_with_common_corners_do() {
+        let corner = |k: u32| Point::new(f64::from(k % 2), f64::from(k / 2), 0.0);
+        let strip: Vec<[u32; 3]> = (0..8).map(|k| [k, k + 1, k + 2]).collect();
+        let points: Vec<Point> = strip.iter().flatten().map(|k| corner(*k)).collect();
+        let single = (0..8).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+        let soup = MeshSurface::from_mesh(&TriangleMesh { points, triangles: single });
+        assert!(soup.faces.iter().all(|face| *face == NONE), "{:?}", soup.faces);
+        let joined = TriangleMesh { points: (0..10).map(corner).collect(), triangles: strip };
+        let joined = MeshSurface::from_mesh(&joined);
+        assert!(joined.faces.iter().all(|face| *face == joined.faces[0] && *face != NONE));
+    }
 }

@@ -9,7 +9,7 @@ use super::surface::MeshSurface;
 use super::tip_border::begins_in_hub;
 use super::trim::{BodyOutline, depth_behind, rim_line, trimmed, trimmed_with_normals};
 use crate::error::ErrorCode;
-use crate::geometry::{Meridional, MeridionalCurve};
+use crate::geometry::{Meridional, MeridionalCurve, wrap_angle};
 use crate::part::PartError;
 
 /// Number of places of a blade over the rim radius: extruded blades have no corners between hub and cover.
@@ -47,6 +47,11 @@ pub struct Walls {
     /// The cover, where there is one.
     pub shroud: Option<FittedProfile>,
 }
+
+/// Length over which the directions of a disc and of the wall of a boss are taken, as a share of the disc's
+/// curve, and smallest angle between them, rad.
+const WALL: f64 = 0.02;
+const CORNER: f64 = 0.9;
 
 /// Fits the curves of hub and cover of a wheel of the rim radius `size`, mm, and cuts the blades off at them;
 /// a line about each cut is added to `notes`, and the normals at it to `normals`.
@@ -194,7 +199,28 @@ fn fit_revolved(
         // The wall of a boss in which the blades begin is a piece of its own behind a corner.
         return Ok(one);
     }
+    // A large tolerance lets one curve follow both, around the corner.
+    if profile.max_deviation_mm <= tolerance
+        && let Ok(one) = fit_side(surface, course, (blades, exact, 1.0), name, tolerance)
+        && one.max_deviation_mm <= tolerance
+        && begins_with_wall(&profile, &one)
+    {
+        return Ok(one);
+    }
     check_deviation(profile, name, tolerance)
+}
+
+/// Whether `whole` runs down the wall of a boss to the beginning of `disc`, a part of it.
+fn begins_with_wall(whole: &FittedProfile, disc: &FittedProfile) -> bool {
+    let [whole, disc] = [whole, disc].map(|profile| MeridionalCurve::through(&profile.points));
+    let corner = disc.point(0.0);
+    let (foot, reach) = (whole.project(corner).0, WALL * disc.length());
+    if foot < reach {
+        return false;
+    }
+    let direction = |from: Meridional, to: Meridional| (to.z - from.z).atan2(to.r - from.r);
+    let wall = direction(whole.point(foot - reach), corner);
+    wrap_angle(direction(corner, disc.point(reach)) - wall).abs() > CORNER
 }
 
 /// The curve of the pieces of a surface that have a `share` of the votes of the one with most.
@@ -255,4 +281,26 @@ pub fn check_deviation(
         ));
     }
     Ok(profile)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_down_the_wall_of_a_boss_begins_with_it_and_one_down_a_cone_does_not() {
+        let line =
+            |from: Meridional, to: Meridional| (0..=40).map(move |k| from.lerp(to, f64::from(k) / 40.0));
+        let profile = |points: Vec<Meridional>| FittedProfile {
+            points,
+            max_deviation_mm: 0.0,
+            worst_corner: Meridional::default(),
+        };
+        let at = |r: f64, z: f64| Meridional { r, z };
+        let disc = profile(line(at(15.0, 4.0), at(60.0, 4.0)).collect());
+        for (top, is_wall) in [(at(15.0, 16.0), true), (at(5.0, 8.0), false), (at(15.0, 4.1), false)] {
+            let whole = line(top, at(15.0, 4.0)).chain(disc.points[1..].iter().copied());
+            assert_eq!(begins_with_wall(&profile(whole.collect()), &disc), is_wall, "{top:?}");
+        }
+    }
 }

@@ -151,6 +151,9 @@ fn a_wide_wheel_with_low_blades_opens_beside_other_bodies() {
     }
     let off = off_planes(&part, 1.5);
     assert!(off < 0.01, "a side is {off} mm off");
+    // The blades begin ahead of the cover, free in its eye.
+    assert!(notes.iter().any(|n| n.contains("ahead of the shroud")), "{notes:?}");
+    assert!(part.shroud.point(0.0).r < 26.5, "{:?}", part.shroud.point(0.0));
 }
 
 /// Checks that the triangles of a cylinder of the `radius` above z = `low` have chords within `sag` of it,

@@ -13,7 +13,7 @@ use vanecut::mesh::{MeshOptions, Role, TriangleMesh};
 use vanecut::part::{Blade, Impeller, PartDescription, SideProbe};
 
 /// Compressor wheel of the KJ66 jet engine, from a CAD system; its licence is beside it.
-const KJ66: &[u8] = include_bytes!("../data/step/kj66_impeller.step");
+pub const KJ66: &[u8] = include_bytes!("../data/step/kj66_impeller.step");
 
 /// The same wheel as triangles, body by body.
 const KJ66_MESH: &[u8] = include_bytes!("../data/wheels/kj66_cad.glb");

@@ -6,7 +6,7 @@ use vanecut::io::stl::{read_part_bytes, write_stl};
 use vanecut::mesh::{MeshOptions, TriangleMesh};
 use vanecut::part::SideProbe;
 
-use crate::cad::{alike, apart, built};
+use crate::cad::{KJ66, alike, apart, built};
 
 /// Wheels of one solid, made by a script beside them: blunt cylindrical blades that lean, blades with plane
 /// sides, and those with root fillets of 1.2 mm.
@@ -41,6 +41,25 @@ fn wheels_of_one_solid_open_as_bare_triangles_where_their_surfaces_are() {
             let sides = places.map(off).fold(0.0, f64::max);
             assert!(sides < limit, "{name}: a side is {sides} mm off");
         }
+    }
+}
+
+/// Single triangles have no faces, and the blunt trailing edge is a narrow face of few of them.
+#[test]
+fn a_wheel_of_coarse_triangles_has_an_even_trailing_edge() {
+    let scene = read_scene_bytes("kj66.step", KJ66, Some(0.05)).expect("sound");
+    let mut mesh = TriangleMesh::default();
+    scene.bodies.iter().for_each(|body| mesh.append(&body.mesh));
+    let description = read_part_bytes("kj66.stl", &write_stl(&mesh.points, &mesh.triangles, "x"), &in_mm());
+    let part = built(&description);
+    let jump = |note: &String| note.split_once("jumps by ")?.1.split(' ').next()?.parse::<f64>().ok();
+    let jumps: Vec<f64> = description.expect("it opens").notes.iter().filter_map(jump).collect();
+    assert!(jumps.iter().all(|size_mm| *size_mm < 0.15), "{jumps:?} mm");
+    for side in [&part.main.suction, &part.main.pressure] {
+        let radius = |v: f64| side.point(1.0, v).x.hypot(side.point(1.0, v).y);
+        // The rim is a cylinder, which the edge leaves near the tip.
+        let off = (1..=13).map(|k| (radius(0.05 * f64::from(k)) - 50.1).abs()).fold(0.0, f64::max);
+        assert!(off < 0.03, "the trailing edge is {off} mm off the rim");
     }
 }
 
