@@ -129,8 +129,9 @@ fn wall_inputs(setup: &Setup, curves: &FlankLayout) -> WallInputs {
     (inputs, curves.layers.iter().map(|l| l.layer.height).collect())
 }
 
-/// Plans the channel of `workpiece` with the chosen tool. The `stages` of an earlier plan of the same part
-/// are reused where their inputs have not changed. Moves that `check` rejects are removed from the program.
+/// Plans the channel of `workpiece` with the chosen tool. `is_opened` says whether plunges that are made
+/// before remove what stands above its shroud. The `stages` of an earlier plan of the same part are reused
+/// where their inputs have not changed. Moves that `check` rejects are removed from the program.
 ///
 /// # Errors
 /// [`FlankError::Cancelled`] soon after `monitor` is cancelled; [`FlankError::Setup`] when the setup does not
@@ -139,6 +140,7 @@ pub fn plan(
     workpiece: &Workpiece,
     setup: &Setup,
     chosen: &ChosenTool,
+    is_opened: bool,
     stages: &mut FlankStages,
     check: &mut MoveCheck,
     monitor: &Monitor,
@@ -205,8 +207,13 @@ pub fn plan(
     // Cutting order is from the top down.
     layers.reverse();
     let feeds = setup.flank.feed_rates_for(tool);
-    let path =
-        PathMaker { tool, feeds, blank: &workpiece.blank, safety_distance: setup.allowances.safety_distance };
+    let path = PathMaker {
+        tool,
+        feeds,
+        blank: &workpiece.blank,
+        ramp_height: is_opened.then_some(setup.flank.layer_depth),
+        safety_distance: setup.allowances.safety_distance,
+    };
     monitor.report(0.85);
     let lead_in_out = setup.flank.lead_in_out_for(tool);
     let CheckedMoves { moves, left_out: more, faults } = remove_faults(

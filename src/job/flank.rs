@@ -155,6 +155,7 @@ impl FlankJob {
             let from_library = Setup { tools: Vec::new(), ..request.setup.clone() };
             Opener::from_part(part, &from_library, &chosen.tool, machine).is_some()
         };
+        let is_opened = opener.is_some();
         let mut setup = request.setup.clone();
         let more =
             opener.iter().map(|opener| &opener.tool).filter(|tool| !request.setup.tools.contains(tool));
@@ -179,9 +180,9 @@ impl FlankJob {
             retracts_in_stock = judged.retracts_in_stock;
             Ok(judged.faults)
         };
-        let planned = self
-            .last
-            .with(part, |stages| plan(&workpiece, &request.setup, &chosen, stages, &mut check, monitor));
+        let planned = self.last.with(part, |stages| {
+            plan(&workpiece, &request.setup, &chosen, is_opened, stages, &mut check, monitor)
+        });
         let mut plan = FlankPlan { opening, ..planned? };
         let grazing = std::mem::take(&mut judged_last.grazing);
         if let Some(slower) = plan.with_retracts_under_feed(&grazing) {

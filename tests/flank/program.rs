@@ -85,6 +85,9 @@ fn a_cylinder_is_opened_before_the_passes_and_these_are_planned_as_without_it() 
     let lost = |outcome: &FlankOutcome| outcome.plan.uncut.iter().map(|l| l.length).sum::<f64>();
     let whole = plan.layout.totals[FlankStrategy::Regions as usize].length;
     assert!(lost(&outcome) < lost(usual) + 0.03 * whole, "{} of {whole} mm are left out", lost(&outcome));
+    // Ramps know nothing of what the plunges leave: they are no longer than those into a whole layer.
+    let ramps = |kind| plan.moves.iter().filter(move |step| step.kind == kind).count();
+    assert!(4 * ramps(MoveKind::Approach) < ramps(MoveKind::Cut), "{} moves", ramps(MoveKind::Approach));
     // The plunges reach over neighbouring channels, which are not cut by that.
     let [judged, judged_usual] = [&outcome, usual].map(|one| one.verdict.as_ref().expect("judged"));
     assert_eq!(judged.channels, 1);
@@ -143,8 +146,8 @@ fn a_cutter_comes_down_fast_only_where_it_meets_no_stock() {
             }
         }
         assert!(fast > 30 && fast < all, "{fast} of {all}");
-        let text = write_apt(&ClProgram::of_flank(name, &plan.tool, &moves));
-        let program = read_apt_bytes("flank.apt", text.as_bytes()).expect("it reads its own program");
+        let program = ClProgram::of_flank(name, &plan.tool, &moves);
+        let program = read_apt_bytes("flank.apt", write_apt(&program).as_bytes()).expect("its own program");
         let verdict =
             verify_flank(&outcome.workpiece, &outcome.setup, &program, &Monitor::default()).expect("judged");
         assert!(verdict.faults.is_empty(), "{name}: {:?}", verdict.faults.first());

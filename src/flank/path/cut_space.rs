@@ -38,7 +38,7 @@ const RESOLUTION: f64 = 0.05;
 const SKIM: f64 = 0.02;
 
 impl<'a> CutSpace<'a> {
-    /// Before the first pass of `tool`.
+    /// Before the first pass of `tool` into `blank`.
     pub(super) fn new(tool: &'a Tool, blank: &'a Blank) -> Self {
         let (radius, corner) = (tool.radius(), tool.corner_radius);
         let lines = CIRCLES.iter().flat_map(|&(share, count)| {

@@ -152,7 +152,7 @@ impl<'a> EntryFinder<'a> {
     /// layer to the nearer of both.
     fn fastest_descent(&self, layer: &LayerPasses, pass: &Pass, feed: f64) -> (PassEntry, f64) {
         let down = |end: usize| {
-            let (above, steps, minutes) = self.descent(&positions_from(pass, end), feed);
+            let (above, steps, minutes) = self.descent(&positions_from(pass, end), pass.open[end], feed);
             let ramps = has_ramp(&steps);
             let moves = EntryMoves::Descent { above, steps, link: Vec::new() };
             (PassEntry { end, moves }, minutes, ramps)
@@ -165,7 +165,7 @@ impl<'a> EntryFinder<'a> {
             }
         }
         let (entry, minutes, ramps) = direct;
-        if !ramps || !pass.linked {
+        if !ramps || !pass.linked || self.maker.ramp_height.is_some() {
             return (entry, minutes);
         }
         let beside = |end: usize| {
@@ -176,7 +176,7 @@ impl<'a> EntryFinder<'a> {
             if long / feed >= minutes {
                 return None;
             }
-            let (above, steps, down) = self.descent(&[cut.position], feed);
+            let (above, steps, down) = self.descent(&[cut.position], false, feed);
             let beside = down + long / feed;
             if beside >= minutes || has_ramp(&steps) {
                 return None;
@@ -189,13 +189,21 @@ impl<'a> EntryFinder<'a> {
     }
 
     /// The point above the blank over the first of `positions`, with its axis, the way down from there, and
-    /// how long it takes, min.
-    fn descent(&self, positions: &[(Point, Vector)], feed: f64) -> ((Point, Vector), Vec<ApproachStep>, f64) {
+    /// how long it takes, min. `is_open`: that position is beyond the part.
+    fn descent(
+        &self,
+        positions: &[(Point, Vector)],
+        is_open: bool,
+        feed: f64,
+    ) -> ((Point, Vector), Vec<ApproachStep>, f64) {
         let (tip, axis) = positions[0];
         let above = self.above((tip, axis));
         let top = (above - tip).norm();
-        let stands = self.cut.standing_height((tip, axis), top);
-        let steps = approach(positions, top, stands, self.maker.safety_distance);
+        let (stands, distance) = match self.maker.ramp_height {
+            None => (self.cut.standing_height((tip, axis), top), self.maker.safety_distance),
+            Some(height) => (if is_open { 0.0 } else { height }, f64::INFINITY),
+        };
+        let steps = approach(positions, top, stands, distance);
         let (mut at, mut minutes) = (above, 0.0);
         for step in &steps {
             minutes += (step.position.0 - at).norm() / self.maker.approach_feed(step.feed, feed);

@@ -36,6 +36,10 @@ pub struct PathMaker<'a> {
     pub feeds: FlankFeedRates,
     /// The blank, which rapids clear.
     pub blank: &'a Blank,
+    /// Height of the ramps at ends within the part, mm, where plunges before the first pass leave stock that
+    /// is not known here; all approaches then go at the feed rate of their pass. `None`: the blank stands
+    /// before the first pass.
+    pub ramp_height: Option<f64>,
     /// Clearance of the tool above the blank before a rapid, and above stock where it comes down to that, mm.
     pub safety_distance: f64,
 }
