@@ -10,6 +10,7 @@ use egui::{Button, Color32, Key, Modal, Modifiers, RichText, Ui};
 use crate::mesh::Role;
 
 use crate::app::App;
+use crate::app::model::document::OpenPart;
 use crate::app::model::part_source::PartSource;
 use crate::app::model::problem::as_sentence;
 use crate::app::model::role_choices::{RoleChoices, hint_for_dialog};
@@ -170,9 +171,10 @@ impl RolesForm {
 impl App {
     /// Opens the roles dialog for the open part's file.
     pub(in crate::app) fn assign_roles(&mut self) {
-        let source = self.state.document.part.as_ref().map(|part| part.source.clone());
-        if let Some(source) = source.filter(|source| source.mesh().is_some()) {
-            self.submit_open(OpenTask::Nodes(source));
+        let part = self.state.document.part.as_ref().filter(|part| part.source.mesh().is_some());
+        if let Some(OpenPart { source, impeller, .. }) = part {
+            let roles_by_shape = impeller.roles_by_shape;
+            self.submit_open(OpenTask::Nodes { source: source.clone(), roles_by_shape });
         }
     }
 
