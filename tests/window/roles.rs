@@ -351,3 +351,25 @@ fn roles_of_names_that_make_no_wheel_are_not_shown() {
     ask_for_roles(&mut second);
     assert_eq!(shown_roles(&second)[..2], ["hub", "blade"]);
 }
+
+#[test]
+fn the_number_of_blades_that_a_file_lacks_is_asked_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = wheel(folder.path(), |document| {
+        let names: Vec<Value> =
+            document["nodes"].as_array().expect("nodes").iter().map(|n| n["name"].clone()).collect();
+        let is_kept = |child: &Value| {
+            let name = child.as_u64().and_then(|k| names[k as usize].as_str()).expect("a name");
+            !name.contains("blade") || name.ends_with('1')
+        };
+        let nodes = document["nodes"].as_array_mut().expect("nodes");
+        let root = nodes.iter_mut().find(|n| n.get("children").is_some()).expect("a root");
+        root["children"].as_array_mut().expect("children").retain(is_kept);
+    });
+    let mut window = window(fake::engine().0);
+    window.state_mut().open_path(path);
+    settle(&mut window);
+    assert!(is_asked(&window), "{:?}", window.state().state().problems);
+    window.get_by_label_contains("There is one main blade");
+    window.get_by_label("Fix: give the number of main blades");
+}

@@ -7,7 +7,7 @@ mod preview;
 
 use egui::{Button, Color32, Key, Modal, Modifiers, RichText, Ui};
 
-use crate::mesh::Role;
+use crate::mesh::{MeshOptions, Role};
 
 use crate::app::App;
 use crate::app::model::document::OpenPart;
@@ -38,6 +38,8 @@ struct RolesForm {
     unassigned: UnassignedRoles,
     preview: RolesPreview,
     choices: RoleChoices,
+    /// The options that the fault is of.
+    faulty: MeshOptions,
 }
 
 /// The roles dialog.
@@ -60,12 +62,14 @@ impl RolesDialog {
         match &mut self.asked {
             Some(asked) if asked.unassigned.path == unassigned.path => {
                 asked.unassigned.fault = unassigned.fault;
+                asked.faulty = asked.choices.options(&asked.unassigned.nodes);
             }
             asked => {
                 let preview = RolesPreview::new(unassigned.meshes.clone());
                 let UnassignedRoles { nodes, unit, said, fault, .. } = &unassigned;
                 let choices = RoleChoices::new(nodes, *unit, said, fault.is_some());
-                *asked = Some(RolesForm { unassigned, preview, choices });
+                let faulty = choices.options(nodes);
+                *asked = Some(RolesForm { unassigned, preview, choices, faulty });
             }
         }
     }
@@ -94,8 +98,16 @@ impl RolesDialog {
             ui.label(RichText::new(format!("Assign surfaces, {file}")).strong());
             if let Some(fault) = &asked.unassigned.fault {
                 let red = Condition::Interfering.text(ui.visuals());
-                ui.label(RichText::new(as_sentence(fault.message.clone())).color(red));
-                ui.label(format!("Fix: {}", hint_for_dialog(&fault.help)));
+                let is_of_choices = asked.faulty == asked.choices.options(&asked.unassigned.nodes);
+                let message = RichText::new(as_sentence(fault.message.clone()));
+                let fix = RichText::new(format!("Fix: {}", hint_for_dialog(&fault.help)));
+                // Of choices that were changed since, nothing is known.
+                let [message, fix] = match is_of_choices {
+                    true => [message.color(red), fix],
+                    false => [message.weak(), fix.weak()],
+                };
+                ui.label(message);
+                ui.label(fix);
             }
             ui.separator();
             ui.add_enabled_ui(!waiting, |ui| {
