@@ -49,6 +49,7 @@ pub fn scaled_wheel(part: &Impeller, factor: f64) -> PartDescription {
         shroud_line: 0,
         count_line: 0,
         notes: Vec::new(),
+        roles_by_shape: false,
     }
 }
 

@@ -354,6 +354,7 @@ impl GeomTurboContents {
             shroud_line,
             count_line,
             notes: Vec::new(),
+            roles_by_shape: false,
         })
     }
 

@@ -58,6 +58,7 @@ pub(super) fn read(file: &str, bytes: &[u8]) -> Result<PartDescription, InputErr
         shroud_line,
         count_line: document.line(blades.at),
         notes: Vec::new(),
+        roles_by_shape: false,
     })
 }
 

@@ -114,6 +114,7 @@ pub fn describe_source(
                 "the roles that the names of the bodies say make no wheel ({}); their shapes decided",
                 error.message
             ));
+            part.roles_by_shape = true;
             Ok(part)
         }
         (None, Some(part)) => Ok(part),
@@ -335,6 +336,7 @@ fn describe_roles(
         main: blade_description(&main, leading_first),
         splitters: splitters.iter().map(|s| blade_description(s, leading_first)).collect(),
         notes,
+        roles_by_shape: false,
         hub_line: 0,
         shroud_line: 0,
         count_line: 0,

@@ -80,6 +80,8 @@ pub struct PartDescription {
     pub count_line: usize,
     /// Assumptions made where the file is ambiguous, one line each, for the user to confirm.
     pub notes: Vec<String>,
+    /// Whether the names of the file's bodies make no wheel, so that their shapes decided the roles.
+    pub roles_by_shape: bool,
 }
 
 impl PartDescription {

@@ -27,6 +27,8 @@ pub struct Impeller {
     pub splitters: Vec<Blade>,
     /// Assumptions made where its file is ambiguous, one line each.
     pub notes: Vec<String>,
+    /// As [`PartDescription::roles_by_shape`].
+    pub roles_by_shape: bool,
     pitch: f64,
 }
 
@@ -119,6 +121,7 @@ impl Impeller {
             main,
             splitters,
             notes,
+            roles_by_shape: d.roles_by_shape,
             pitch,
         };
         part.check_passages(blade_line(&d.main))?;

@@ -272,7 +272,26 @@ fn times_of_the_layers_on_the_setup_sheet_are_that_of_the_program() {
         assert_eq!(minutes.len(), outcome.plan.layout.layers.len());
         let (sum, whole) = (minutes.iter().sum::<f64>(), outcome.time_s() / 60.0);
         assert!((sum - whole).abs() < 0.06 * minutes.len() as f64, "{name:?}: {sum} min, in all {whole}");
+        assert!(!page.contains("Of one channel"), "as the program");
     }
+}
+
+#[test]
+fn the_setup_sheet_of_several_channels_says_what_is_of_one() {
+    let outcome = &*MILLED_PLAN;
+    let program = outcome.program_for_channels(2, &Monitor::default()).expect("judged");
+    let sheet = FlankSheetInput { outcome, program: &program, files: &[], remarks: &[] };
+    let page = flank_sheet(&sheet, Vec::new()).page;
+    for heading in ["<h2>Layers</h2>", "<h2>Before and after</h2>"] {
+        let text = page.split_once(heading).and_then(|(_, rest)| rest.split_once("<table>")).unwrap().0;
+        assert!(text.contains("<p>Of one channel.</p>"), "{heading}: {text}");
+    }
+    let minutes = |words: &str| -> f64 {
+        let (before, _) = page.split_once(words).expect(words);
+        before.rsplit(' ').next().and_then(|number| number.parse().ok()).expect("a number")
+    };
+    let (all, one) = (minutes(" min for the program, "), minutes(" min per channel"));
+    assert!(all > 1.5 * one && all < 3.0 * one, "{all} min, {one} min per channel");
 }
 
 /// One control and output a machine: each is judged in two seconds.

@@ -152,6 +152,7 @@ fn parallel_walls(width: f64) -> Impeller {
         blade_count: 6,
         count_line: 0,
         notes: Vec::new(),
+        roles_by_shape: false,
         hub: CurveDescription::Points(hub.clone()),
         hub_line: 0,
         shroud: CurveDescription::Points(shroud.clone()),

@@ -35,6 +35,7 @@ pub fn disc(
         shroud_line: 0,
         count_line: 0,
         notes: Vec::new(),
+        roles_by_shape: false,
     };
     Impeller::build(&description).expect("an impeller")
 }

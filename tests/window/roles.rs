@@ -272,6 +272,13 @@ fn what_an_stl_file_leaves_open_is_given_in_the_window() {
     assert_eq!(unit.as_deref(), Some("in"));
 }
 
+/// The roles that the dialog shows.
+fn shown_roles(window: &Window) -> Vec<String> {
+    let is_of_body = |label: Option<String>| label.is_some_and(|label| label.starts_with("Role of "));
+    let lists = window.query_all_by_role(Role::ComboBox);
+    lists.filter(|list| is_of_body(list.accesskit_node().label())).filter_map(|list| list.value()).collect()
+}
+
 #[test]
 fn what_a_step_file_leaves_open_is_given_in_the_window() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -288,12 +295,9 @@ fn what_a_step_file_leaves_open_is_given_in_the_window() {
     // The unit is that of the file, and the bodies that were found by their shapes stay so.
     assert!(window.query_by_role_and_label(Role::ComboBox, "Unit of the file").is_none());
     window.get_by_label("as in the file");
-    let is_of_body = |label: Option<String>| label.is_some_and(|label| label.starts_with("Role of "));
-    let lists = window.query_all_by_role(Role::ComboBox);
-    let roles: Vec<_> =
-        lists.filter(|list| is_of_body(list.accesskit_node().label())).map(|list| list.value()).collect();
+    let roles = shown_roles(&window);
     assert!(!roles.is_empty());
-    assert!(roles.iter().all(|role| role.as_deref() == Some("automatic")), "{roles:?}");
+    assert!(roles.iter().all(|role| role == "automatic"), "{roles:?}");
     choose(&mut window, "Sense of rotation", &other.to_string());
     press(&mut window, "Open the part");
     let turned = part(&window);
@@ -302,4 +306,70 @@ fn what_a_step_file_leaves_open_is_given_in_the_window() {
     assert_eq!((said.roles.len(), said.unit), (0, None), "only what was chosen");
     let second = reopened(&mut window, folder.path());
     assert_eq!(part(&second).rotation(), other, "the project keeps the choice");
+}
+
+/// Shapes decide again when only something else is chosen, and a role that is chosen counts.
+#[test]
+fn roles_of_names_that_make_no_wheel_are_not_shown() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/step/pump_bodies.step");
+    let mut pieces = std::fs::read_to_string(file).expect("a file");
+    let body = "MANIFOLD_SOLID_BREP('";
+    let bodies = pieces.matches(body).count();
+    // The hub is called a blade, too.
+    pieces = pieces.split(body).enumerate().fold(String::new(), |text, (k, piece)| match k {
+        0 => piece.to_owned(),
+        _ => format!("{text}{body}blade {k}{piece}"),
+    });
+    let path = folder.path().join("misnamed.step");
+    std::fs::write(&path, pieces).expect("writes");
+    let mut window = window(fake::engine().0);
+    window.state_mut().open_path(path);
+    settle(&mut window);
+    window.get_by_label_contains("make no wheel");
+    let part = |window: &Window| window.state().state().document.part.clone().expect("a part").impeller;
+    let before = part(&window);
+    let other = before.rotation().reversed();
+
+    ask_for_roles(&mut window);
+    assert_eq!(shown_roles(&window), vec!["automatic"; bodies]);
+    choose(&mut window, "Sense of rotation", &other.to_string());
+    press(&mut window, "Open the part");
+    assert_eq!((part(&window).rotation(), part(&window).blade_count), (other, before.blade_count));
+    let Some(PartSource::Mesh(_, said)) = source(&window) else { panic!("with choices") };
+    assert_eq!(said.roles, [], "only what was chosen");
+
+    let mut second = reopened(&mut window, folder.path());
+    ask_for_roles(&mut second);
+    assert_eq!(shown_roles(&second), vec!["automatic"; bodies]);
+    choose(&mut second, "Role of blade 1", "hub");
+    press(&mut second, "Open the part");
+    assert_eq!(part(&second).blade_count, before.blade_count);
+    let Some(PartSource::Mesh(_, said)) = source(&second) else { panic!("with choices") };
+    assert_eq!(said.roles, [("blade 1".to_owned(), vanecut::mesh::Role::Hub)]);
+    assert!(!part(&second).roles_by_shape, "the names of the others are right");
+    ask_for_roles(&mut second);
+    assert_eq!(shown_roles(&second)[..2], ["hub", "blade"]);
+}
+
+#[test]
+fn the_number_of_blades_that_a_file_lacks_is_asked_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = wheel(folder.path(), |document| {
+        let names: Vec<Value> =
+            document["nodes"].as_array().expect("nodes").iter().map(|n| n["name"].clone()).collect();
+        let is_kept = |child: &Value| {
+            let name = child.as_u64().and_then(|k| names[k as usize].as_str()).expect("a name");
+            !name.contains("blade") || name.ends_with('1')
+        };
+        let nodes = document["nodes"].as_array_mut().expect("nodes");
+        let root = nodes.iter_mut().find(|n| n.get("children").is_some()).expect("a root");
+        root["children"].as_array_mut().expect("children").retain(is_kept);
+    });
+    let mut window = window(fake::engine().0);
+    window.state_mut().open_path(path);
+    settle(&mut window);
+    assert!(is_asked(&window), "{:?}", window.state().state().problems);
+    window.get_by_label_contains("There is one main blade");
+    window.get_by_label("Fix: give the number of main blades");
 }

@@ -40,6 +40,19 @@ fn allowance(window: &Window) -> f64 {
     window.state().state().document.edited.setup.allowances.hub_allowance
 }
 
+#[test]
+fn clearances_beside_a_fine_allowance_have_a_decimal_more() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 1400.0));
+    window.run_steps(3);
+    let of_both = |window: &Window| ["0.50 mm", "0.500 mm"].map(|text| labels(window, text).len());
+    assert_eq!(of_both(&window), [2, 0], "of hub and blades");
+    type_allowance(&mut window, "0.025");
+    assert_eq!(allowance(&window), 0.025);
+    assert_eq!(of_both(&window), [1, 1], "the allowance of the blades is still of tenths");
+}
+
 /// The fake planner, whose tool has this diameter.
 fn engine_with_tool_of(diameter: f64) -> Engine {
     let (engine, _) = fake::engine();

@@ -49,7 +49,7 @@ impl App {
         self.state.opening = match &task {
             OpenTask::Project(path, _) => Some(PartSource::File(path.clone())),
             OpenTask::Files { part, .. } => part.clone(),
-            OpenTask::Nodes(source) => Some(source.clone()),
+            OpenTask::Nodes { source, .. } => Some(source.clone()),
             OpenTask::Blank(_)
             | OpenTask::Machine(_)
             | OpenTask::Library(_)

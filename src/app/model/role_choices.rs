@@ -119,6 +119,7 @@ pub fn hint_for_dialog(help: &str) -> String {
         ("--rotation cw", "the sense of rotation clockwise"),
         ("--rotation ccw", "the sense of rotation counter-clockwise"),
         ("--rotation", "the sense of rotation"),
+        ("their number with --blades N", "the number of main blades"),
         ("--blades N", "the number of main blades"),
         ("--unit", "the unit"),
     ]

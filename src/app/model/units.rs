@@ -17,6 +17,12 @@ pub enum DisplayUnits {
     Inch,
 }
 
+/// Decimals, of mm, of lengths beside an allowance: two, or three where it has more than two.
+pub fn decimals_beside(allowance: f64) -> usize {
+    let hundredths = 100.0 * allowance;
+    if (hundredths - hundredths.round()).abs() < 1e-6 { 2 } else { 3 }
+}
+
 impl DisplayUnits {
     /// Unit of lengths.
     pub fn length_unit(self) -> &'static str {
@@ -184,6 +190,13 @@ mod tests {
         assert_eq!((Metric.short(0.5, 3), Inch.short(0.5, 3)), ("0.5".into(), "0.0197".into()));
         assert_eq!((Metric.short(300.0, 0), Inch.short(25.4, 0)), ("300".into(), "1".into()));
         assert_eq!(Metric.pair(1.0, f64::NAN, 2), "1.00/-");
+    }
+
+    #[test]
+    fn lengths_beside_a_fine_allowance_have_a_decimal_more() {
+        for (allowance, decimals) in [(0.0, 2), (0.5, 2), (0.29, 2), (1.15, 2), (0.025, 3), (0.0375, 3)] {
+            assert_eq!(decimals_beside(allowance), decimals, "{allowance}");
+        }
     }
 
     #[test]

@@ -72,6 +72,11 @@ impl UnassignedRoles {
             fault: fault.map(|fault| Problem::new(fault.message.clone(), fault.help.clone())),
         })
     }
+
+    /// Leaves roles to shapes where names say some: reading the file decided so, and does again.
+    pub(in crate::app) fn forget_named_roles(&mut self) {
+        self.nodes.iter_mut().for_each(|node| node.named_role = None);
+    }
 }
 
 /// The meshes of the nodes as they are drawn.

@@ -32,8 +32,9 @@ pub(in crate::app) enum OpenTask {
     /// `keeps_part`: whether only a run of that part may be opened, as nothing was asked about unsaved
     /// changes.
     Run { results: Arc<StudyResults>, row: usize, open: Option<PartHash>, keeps_part: bool },
-    /// The nodes of a mesh file, for the roles dialog.
-    Nodes(PartSource),
+    /// The nodes of a mesh file, for the roles dialog. `roles_by_shape`: as
+    /// [`crate::part::PartDescription::roles_by_shape`] of the part that the file opened as.
+    Nodes { source: PartSource, roles_by_shape: bool },
 }
 
 impl OpenTask {
@@ -47,7 +48,7 @@ impl OpenTask {
             | Self::Library(_)
             | Self::Study(_)
             | Self::Run { .. }
-            | Self::Nodes(_) => Self::Files { part: Some(source), setup: None, defaults: Box::default() },
+            | Self::Nodes { .. } => Self::Files { part: Some(source), setup: None, defaults: Box::default() },
         }
     }
 }

@@ -108,10 +108,14 @@ pub(in crate::app) fn open(
         OpenTask::Run { results, row, open, keeps_part } => {
             return open_run(engine, results, *row, open.as_ref(), *keeps_part, monitor);
         }
-        OpenTask::Nodes(source) => {
+        OpenTask::Nodes { source, roles_by_shape } => {
             let nodes =
                 source.mesh().map(|(path, said)| UnassignedRoles::read(path, &said, task.clone(), None));
-            return Ok(Opened { unassigned: nodes.transpose()?, ..Opened::default() });
+            let mut unassigned = nodes.transpose()?;
+            if let Some(unassigned) = unassigned.as_mut().filter(|_| *roles_by_shape) {
+                unassigned.forget_named_roles();
+            }
+            return Ok(Opened { unassigned, ..Opened::default() });
         }
     };
     // A plan is the part and the setup, and may be long: it is read once.

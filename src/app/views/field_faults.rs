@@ -76,11 +76,27 @@ pub fn show(ui: &mut Ui, label: &str, at: Rect, edited: bool) -> bool {
 
 /// Draws a frame in the colour of a condition and of a width, points, round the box `at` of a field, and
 /// `text` below it.
-pub fn mark(ui: &mut Ui, at: Rect, text: &str, (condition, width): (Condition, f32)) {
+pub fn mark(ui: &mut Ui, at: Rect, text: &str, style: (Condition, f32)) {
+    draw_mark(ui, at, text, style, Label::wrap);
+}
+
+/// As [`mark`], with one line below the field, so that the fields below it stay where they are looked for. A
+/// tooltip has the whole text.
+pub fn mark_in_a_line(ui: &mut Ui, at: Rect, text: &str, style: (Condition, f32)) {
+    draw_mark(ui, at, text, style, Label::truncate);
+}
+
+fn draw_mark(
+    ui: &mut Ui,
+    at: Rect,
+    text: &str,
+    (condition, width): (Condition, f32),
+    fitted: fn(Label) -> Label,
+) {
     let colour = condition.text(ui.visuals());
     ui.painter().rect_stroke(at, 3.0, Stroke::new(width, colour), StrokeKind::Outside);
     ui.scope(|ui| {
         ui.set_max_width(theme::FIELD_WIDTH + 20.0);
-        ui.add(Label::new(RichText::new(text).small().color(colour)).wrap());
+        ui.add(fitted(Label::new(RichText::new(text).small().color(colour))));
     });
 }

@@ -147,7 +147,7 @@ impl ScaleEnd {
         field.on_hover_text(self.tip);
         match typed {
             Typed::Refused(reason) => Some(format!("{}: {reason}", self.name)),
-            Typed::Nothing | Typed::Taken => None,
+            Typed::Nothing | Typed::Unchanged | Typed::Taken => None,
         }
     }
 }

@@ -18,6 +18,8 @@ pub enum Typed {
     /// No text was typed.
     #[default]
     Nothing,
+    /// It was left as it was.
+    Unchanged,
     /// It was taken.
     Taken,
     /// It was not, for this reason.
@@ -62,6 +64,7 @@ impl TypedLimits<'_> {
     /// to `typed`. A text that is left as it was gives none either: it may be rounded.
     pub fn parse(&self, text: &str, shown: &str, typed: &RefCell<Typed>) -> Option<f64> {
         if text == shown {
+            typed.replace(Typed::Unchanged);
             return None;
         }
         match self.value(text) {
@@ -115,6 +118,17 @@ pub fn limited_field<N: egui::emath::Numeric>(
 struct Note {
     text: String,
     value: f64,
+    /// Of a text that was not taken, the number of texts that were typed up to it: the next one ends the
+    /// note.
+    refused: Option<TypedCount>,
+}
+
+/// How many texts were typed into fields.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct TypedCount(u64);
+
+fn typed_count(ui: &Ui) -> TypedCount {
+    ui.data(|data| data.get_temp(Id::unique("count of typed values"))).unwrap_or_default()
 }
 
 /// Ends what is said below fields: an input that was not taken is over once another step is undone, or
@@ -139,16 +153,28 @@ fn key(form: Id, label: &str) -> Id {
 
 /// Keeps what came of the text of the field of this label in `form`, whose value is `value` now.
 pub fn keep(ui: &Ui, form: Id, label: &str, value: f64, typed: Typed) {
-    match typed {
-        Typed::Nothing => {}
-        Typed::Taken => ui.data_mut(|data| data.remove::<Note>(key(form, label))),
-        Typed::Refused(text) => say(ui, form, label, value, text),
+    if typed == Typed::Nothing {
+        return;
     }
+    let count = TypedCount(typed_count(ui).0 + 1);
+    let key = key(form, label);
+    ui.data_mut(|data| {
+        data.insert_temp(Id::unique("count of typed values"), count);
+        match typed {
+            Typed::Refused(text) => {
+                data.insert_temp(key, Note { text, value, refused: Some(count) });
+            }
+            Typed::Taken => data.remove::<Note>(key),
+            // With the count, a text that was refused is over.
+            Typed::Nothing | Typed::Unchanged => {}
+        }
+    });
+    ui.ctx().request_repaint();
 }
 
 /// Says `text` below the field of this label in `form`, until its value is another than `value`.
 pub fn say(ui: &Ui, form: Id, label: &str, value: f64, text: String) {
-    ui.data_mut(|data| data.insert_temp(key(form, label), Note { text, value }));
+    ui.data_mut(|data| data.insert_temp(key(form, label), Note { text, value, refused: None }));
     ui.ctx().request_repaint();
 }
 
@@ -156,11 +182,11 @@ pub fn say(ui: &Ui, form: Id, label: &str, value: f64, text: String) {
 pub fn show(ui: &mut Ui, form: Id, label: &str, value: f64, at: Rect) {
     let key = key(form, label);
     let Some(note) = ui.data(|data| data.get_temp::<Note>(key)) else { return };
-    if note.value != value {
+    if note.value != value || note.refused.is_some_and(|count| count != typed_count(ui)) {
         ui.data_mut(|data| data.remove::<Note>(key));
         return;
     }
-    field_faults::mark(ui, at, &note.text, (Condition::Blocked, 1.0));
+    field_faults::mark_in_a_line(ui, at, &note.text, (Condition::Blocked, 1.0));
 }
 
 #[cfg(test)]
@@ -180,7 +206,7 @@ mod tests {
         };
         let typed = RefCell::default();
         assert_eq!(limits.parse("10 mm", "10 mm", &typed), None);
-        assert_eq!(*typed.borrow(), Typed::Nothing, "it was left as it was");
+        assert_eq!(*typed.borrow(), Typed::Unchanged, "it was left as it was");
         for (text, value, word) in [
             ("12", Some(12.0), None),
             ("20", None, Some("20 is too much: at most 15 mm, the radius")),

@@ -53,6 +53,7 @@ pub(super) fn read(path: &Path) -> Result<PartDescription, InputError> {
         shroud_line,
         count_line,
         notes: Vec::new(),
+        roles_by_shape: false,
     })
 }
 

@@ -37,8 +37,8 @@ pub fn flank_sheet(input: &FlankSheetInput, pictures: Vec<PagePicture>) -> Repor
         warnings(input),
         program_text(input),
         tools_text(outcome),
-        layers_text(outcome),
-        strategies_text(outcome),
+        layers_text(outcome, input.program.channels),
+        strategies_text(outcome, input.program.channels),
         heading_of(&pictures, "Passes"),
     ];
     page(&part, &body.concat(), pictures)
@@ -137,15 +137,33 @@ fn program_text(input: &FlankSheetInput) -> String {
     };
     format!(
         "<h2>Program</h2>\n<p>{}, for {}{order}; checked as written: {faults}.</p>\n<p>{walls}{:.0} mm of \
-         passes, {:.0} mm of links, {:.0} mm in rapid; {:.1} min per channel{}.</p>\n",
+         passes, {:.0} mm of links, {:.0} mm in rapid; {}{:.1} min per channel{}.</p>\n",
         program_files(files, "flank plan"),
         channels_text(program.channels),
         program.times.cut_length,
         program.times.link_length,
         program.times.rapid_length,
+        program_time_text(program),
         outcome.time_s() / 60.0,
         wheel_text(outcome),
     )
+}
+
+/// The time of a program of several channels, before that of one.
+fn program_time_text(program: &FlankProgram) -> String {
+    if program.channels == 1 {
+        return String::new();
+    }
+    let changes_s = match program.machine_time {
+        Some(_) => 0.0,
+        None => TOOL_CHANGE_S * program.program.tool_loads() as f64,
+    };
+    format!("{:.1} min for the program, ", (program.time_s() + changes_s) / 60.0)
+}
+
+/// What tables of the plan say before their text where the program has more channels than they do.
+fn of_one_channel(channels: usize) -> &'static str {
+    if channels == 1 { "" } else { "<p>Of one channel.</p>\n" }
 }
 
 /// The time of all channels, after that of one; nothing where the machine cannot run them.
@@ -177,7 +195,7 @@ fn tools_text(outcome: &FlankOutcome) -> String {
 }
 
 /// The strategies beside each other: how long their passes are.
-fn strategies_text(outcome: &FlankOutcome) -> String {
+fn strategies_text(outcome: &FlankOutcome, channels: usize) -> String {
     let layout = &outcome.plan.layout;
     let before = layout.totals[FlankStrategy::Isoparametric as usize].length;
     let row = |strategy: &FlankStrategy| {
@@ -193,8 +211,9 @@ fn strategies_text(outcome: &FlankOutcome) -> String {
     };
     let rows: String = FlankStrategy::ALL.iter().map(row).collect();
     format!(
-        "<div class=\"keep\"><h2>Before and after</h2>\n<table><thead><tr><th>strategy</th>\
-         <th>passes</th><th>length, mm</th><th>of isoparametric, %</th></tr></thead><tbody>{rows}</tbody></table></div>\n"
+        "<div class=\"keep\"><h2>Before and after</h2>\n{}<table><thead><tr><th>strategy</th>\
+         <th>passes</th><th>length, mm</th><th>of isoparametric, %</th></tr></thead><tbody>{rows}</tbody></table></div>\n",
+        of_one_channel(channels),
     )
 }
 
@@ -228,7 +247,7 @@ impl LayerTimes {
 }
 
 /// The layers from the top down, as they are cut, after what is cut above the shroud.
-fn layers_text(outcome: &FlankOutcome) -> String {
+fn layers_text(outcome: &FlankOutcome, channels: usize) -> String {
     let plan = &outcome.plan;
     let times = LayerTimes::from_outcome(outcome);
     let minutes = |time: fn(&LayerTimes, usize) -> f64, layer: usize| match &times {
@@ -260,10 +279,11 @@ fn layers_text(outcome: &FlankOutcome) -> String {
     }
     let note = plan.layout.replacement_note().map(|note| format!("<p>{note}.</p>\n")).unwrap_or_default();
     format!(
-        "<h2>Layers</h2>\n<p>Strategy {}; layers of {} mm from the hub up, the top one is cut first.</p>\n{note}\
+        "<h2>Layers</h2>\n<p>Strategy {}; layers of {} mm from the hub up, the top one is cut first.</p>\n{note}{}\
          <table><thead><tr><th>layer</th><th>passes</th><th>stepover, mm</th><th>length, mm</th>\
          <th>left out, mm</th><th>min</th></tr></thead><tbody>{rows}</tbody></table>\n",
         plan.layout.strategy.name(),
         outcome.setup.flank.layer_depth,
+        of_one_channel(channels),
     )
 }

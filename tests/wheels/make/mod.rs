@@ -188,6 +188,7 @@ fn made(surface: &CamberSurface<'_>, measures: &Measures, name: &str) -> Wheel {
         shroud_line: 0,
         count_line: 0,
         notes: Vec::new(),
+        roles_by_shape: false,
     };
     Wheel { description, remarks }
 }

@@ -16,7 +16,7 @@ use crate::app::model::look::{Filter, REVEAL, TableColumn as Key};
 use crate::app::model::number::with_minus_signs;
 use crate::app::model::planned::Side;
 use crate::app::model::state::{AppState, ShownPlan};
-use crate::app::model::units::DisplayUnits;
+use crate::app::model::units::{DisplayUnits, decimals_beside};
 use crate::app::views::command::Command;
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::units;
@@ -112,6 +112,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
     let height = ui.available_height() - pitch;
     let has_machine = state.document.edited.setup.machine.file.is_some();
     let (can_edit, units) = (state.editable_plan().is_some(), state.look.units);
+    let stock_decimals = stock_decimals(state);
     let keys = || Key::ALL.into_iter().filter(move |key| has_machine || *key != Key::Axes);
     // The offset is set beyond the end of the higher table that was there before a panel opened below: a
     // scroll with momentum would take that for a fling, and go on to where that end was.
@@ -188,7 +189,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
                     cell(
                         ui,
                         RichText::new(if stock.is_finite() {
-                            units.number(stock.into(), 2)
+                            units.number(stock.into(), stock_decimals)
                         } else {
                             "-".into()
                         }),
@@ -254,6 +255,11 @@ const INCH_SPACE: f32 = 8.0;
 /// Space between columns, points.
 const SPACING: f32 = 6.0;
 
+/// Decimals, of mm, of the stock on the hub.
+fn stock_decimals(state: &AppState) -> usize {
+    decimals_beside(state.document.edited.setup.allowances.hub_allowance)
+}
+
 /// Widths of the columns: all digits of every number fit, points. Lengths in inches have more of them.
 fn widths(state: &AppState) -> Vec<f32> {
     let units = state.look.units;
@@ -261,7 +267,8 @@ fn widths(state: &AppState) -> Vec<f32> {
     let sections = plan.map(|plan| &plan.sections[..]).unwrap_or_default();
     let diameter = sections.iter().map(|section| units.size(section.tool.diameter).chars().count());
     // As long as the deepest contact and the least stock there are.
-    let [contact, hub] = [9.99, -9.99].map(|mm| units.number(mm, 2).chars().count());
+    let [contact, hub] =
+        [(9.99, 2), (-9.99, stock_decimals(state))].map(|(mm, n)| units.number(mm, n).chars().count());
     let count = plan.map_or(0, |plan| plan.positions.len()).to_string().len();
     let digits = [0, count, 0, diameter.max().unwrap_or(0), 0, contact, hub, 0];
     let shown = if state.document.edited.setup.machine.file.is_some() { 8 } else { 7 };

@@ -14,7 +14,7 @@ use crate::app::model::figures::{
 use crate::app::model::look::Operation;
 use crate::app::model::planned::{DisplayPlan, Side};
 use crate::app::model::state::AppState;
-use crate::app::model::units::DisplayUnits;
+use crate::app::model::units::{DisplayUnits, decimals_beside};
 use crate::app::model::verdict;
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::units;
@@ -156,10 +156,11 @@ fn interferential(ui: &mut Ui, state: &AppState, before: &PolicyResult, after: &
 /// `begin`: what stands before its words, or begins the next line.
 fn clearance(ui: &mut Ui, name: &str, value: f64, allowance: f64, begin: fn(&mut Ui, &[&str])) {
     let short = falls_short(value, allowance);
+    let decimals = decimals_beside(allowance);
     let units = units::display_units(ui);
     let allowance = format!("{} {}", units.short(allowance, 6), units.length_unit());
     let tip = format!("Least distance of a cutter to the finished surface; the allowance is {allowance}");
-    let text = units.known_length(value, 2) + if short { " (too little)" } else { "" };
+    let text = units.known_length(value, decimals) + if short { " (too little)" } else { "" };
     begin(ui, &[name, &text]);
     ui.label(RichText::new(name).weak()).on_hover_text(&tip);
     let colour = Condition::Interfering.text(ui.visuals());

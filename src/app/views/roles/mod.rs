@@ -7,9 +7,10 @@ mod preview;
 
 use egui::{Button, Color32, Key, Modal, Modifiers, RichText, Ui};
 
-use crate::mesh::Role;
+use crate::mesh::{MeshOptions, Role};
 
 use crate::app::App;
+use crate::app::model::document::OpenPart;
 use crate::app::model::part_source::PartSource;
 use crate::app::model::problem::as_sentence;
 use crate::app::model::role_choices::{RoleChoices, hint_for_dialog};
@@ -37,6 +38,8 @@ struct RolesForm {
     unassigned: UnassignedRoles,
     preview: RolesPreview,
     choices: RoleChoices,
+    /// The options that the fault is of.
+    faulty: MeshOptions,
 }
 
 /// The roles dialog.
@@ -59,12 +62,14 @@ impl RolesDialog {
         match &mut self.asked {
             Some(asked) if asked.unassigned.path == unassigned.path => {
                 asked.unassigned.fault = unassigned.fault;
+                asked.faulty = asked.choices.options(&asked.unassigned.nodes);
             }
             asked => {
                 let preview = RolesPreview::new(unassigned.meshes.clone());
                 let UnassignedRoles { nodes, unit, said, fault, .. } = &unassigned;
                 let choices = RoleChoices::new(nodes, *unit, said, fault.is_some());
-                *asked = Some(RolesForm { unassigned, preview, choices });
+                let faulty = choices.options(nodes);
+                *asked = Some(RolesForm { unassigned, preview, choices, faulty });
             }
         }
     }
@@ -93,8 +98,16 @@ impl RolesDialog {
             ui.label(RichText::new(format!("Assign surfaces, {file}")).strong());
             if let Some(fault) = &asked.unassigned.fault {
                 let red = Condition::Interfering.text(ui.visuals());
-                ui.label(RichText::new(as_sentence(fault.message.clone())).color(red));
-                ui.label(format!("Fix: {}", hint_for_dialog(&fault.help)));
+                let is_of_choices = asked.faulty == asked.choices.options(&asked.unassigned.nodes);
+                let message = RichText::new(as_sentence(fault.message.clone()));
+                let fix = RichText::new(format!("Fix: {}", hint_for_dialog(&fault.help)));
+                // Of choices that were changed since, nothing is known.
+                let [message, fix] = match is_of_choices {
+                    true => [message.color(red), fix],
+                    false => [message.weak(), fix.weak()],
+                };
+                ui.label(message);
+                ui.label(fix);
             }
             ui.separator();
             ui.add_enabled_ui(!waiting, |ui| {
@@ -170,9 +183,10 @@ impl RolesForm {
 impl App {
     /// Opens the roles dialog for the open part's file.
     pub(in crate::app) fn assign_roles(&mut self) {
-        let source = self.state.document.part.as_ref().map(|part| part.source.clone());
-        if let Some(source) = source.filter(|source| source.mesh().is_some()) {
-            self.submit_open(OpenTask::Nodes(source));
+        let part = self.state.document.part.as_ref().filter(|part| part.source.mesh().is_some());
+        if let Some(OpenPart { source, impeller, .. }) = part {
+            let roles_by_shape = impeller.roles_by_shape;
+            self.submit_open(OpenTask::Nodes { source: source.clone(), roles_by_shape });
         }
     }
 
