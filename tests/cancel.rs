@@ -108,6 +108,23 @@ fn a_stopped_plan_is_sound_and_says_that_it_is_not_finished() {
     assert!(cut_short > 0, "no plan with a part of a section");
 }
 
+/// After the last section plunges are left out for the goal.
+#[test]
+fn a_plan_that_a_late_stop_changes_says_that_it_is_not_finished() {
+    let request = PlanRequest { field_cells: 128, ..request(AxisPolicy::Minimal) };
+    let whole = run(&request, &Monitor::default()).expect("a plan");
+    assert!(whole.whole.is_some(), "plunges are left out");
+    let mut unfinished = 0;
+    for share in [0.78, 0.81, 0.84, 0.87, 0.9, 0.95] {
+        let outcome = ended_at(share, &PlanJob::default(), &request, Monitor::stop).expect("a plan");
+        match outcome.after.plan.is_unfinished() {
+            true => unfinished += 1,
+            false => assert_eq!(outcome.after.plan, whole.after.plan, "stopped at {share}"),
+        }
+    }
+    assert!(unfinished > 0, "no stop came before the end");
+}
+
 #[test]
 fn a_cancel_after_a_stop_leaves_nothing() {
     let monitor = Monitor::default();

@@ -124,7 +124,7 @@ fn way_off(
 ) -> Option<(Vector, [Option<MoveOrigin>; 2])> {
     let overcut = fault.overcut.filter(|&overcut| overcut <= MAX_MOVED_OVERCUT)?;
     let (b, to) = (program.moves.get(fault.index)?, *program.origins.get(fault.index)?);
-    if !matches!(b.kind, MoveKind::Cut | MoveKind::Approach) {
+    if !matches!(b.kind, MoveKind::Cut | MoveKind::Approach) || to.is_beside {
         return None;
     }
     let before = fault.index.checked_sub(1)?;
@@ -165,6 +165,7 @@ fn remove_faulty_moves(
         let cut = cuts.entry((origin.layer, origin.pass)).or_default();
         let nearest = origin.to.min(count.saturating_sub(2));
         match step.kind {
+            _ if origin.is_beside => cut.unlinked = true,
             MoveKind::Link => cut.unlinked = true,
             _ if round >= PIECE_ITERATIONS => cut.whole = Some(cause),
             MoveKind::Rapid => cut.whole = Some(cause),

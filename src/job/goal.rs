@@ -152,8 +152,9 @@ pub(super) fn meet_goal(
         true => None,
         false => whole.sparse_plan(known, monitor)?.map(Arc::new),
     };
-    let is_stopped = !takes_whole && sparse.is_none() && monitor.is_stopped();
+    let lacks_sparse = !takes_whole && sparse.is_none() && monitor.is_stopped();
     let tradeoff = whole.tradeoff(first, sparse.as_deref(), closing)?;
+    let is_stopped = lacks_sparse || tradeoff.is_cut_short();
     let point = tradeoff.choose(goal);
     let mut misses_goal = !tradeoff.reaches(goal);
     if (point.plan, point.left_out) == (0, 0) {

@@ -259,7 +259,6 @@ impl MeshSurface {
     }
 }
 
-/// Labels the triangles by connected component over shared corners; `count` is the number of corners.
 /// The numbers of the faces of the triangles of a mesh. Where most triangles share no corner with another
 /// one, as in STL, they tell no faces.
 fn faces_of(mesh: &TriangleMesh) -> Vec<u32> {
@@ -270,6 +269,7 @@ fn faces_of(mesh: &TriangleMesh) -> Vec<u32> {
     if 2 * alone > faces.len() { vec![NONE; faces.len()] } else { faces }
 }
 
+/// Labels the triangles by connected component over shared corners; `count` is the number of corners.
 fn connected(triangles: &[[u32; 3]], count: usize) -> Vec<u32> {
     let mut sets = DisjointSets::new(count);
     for &[a, b, c] in triangles {

@@ -54,7 +54,7 @@ pub struct FlankSetup {
     /// Feed rate of ramps down into stock, mm/min; absent: 0.5 of `feed`.
     pub ramp_feed_mm_per_min: Option<f64>,
     /// Feed rate down to the stock at the start of a pass, where the cutter meets none, mm/min; absent: four
-    /// times `feed`, at most 5000 unless that is faster.
+    /// times `feed`, but no more than 5000 and no less than `feed`.
     pub approach_feed_mm_per_min: Option<f64>,
 }
 

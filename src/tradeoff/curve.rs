@@ -58,6 +58,11 @@ impl<'a> Tradeoff<'a> {
         self
     }
 
+    /// Whether a stop ended the search for the order of one of the plans.
+    pub fn is_cut_short(&self) -> bool {
+        self.thinnings.iter().any(Thinning::is_cut_short)
+    }
+
     /// The order of plan `number`.
     pub fn thinning(&self, number: usize) -> &Thinning<'a> {
         &self.thinnings[number]

@@ -50,6 +50,8 @@ pub struct Thinning<'a> {
     uncut_share: f64,
     /// Plunges that can be left out, the first one first.
     order: Vec<usize>,
+    /// Whether a stop ended the search for it.
+    is_cut_short: bool,
     /// Times computed so far, by the number of plunges left out.
     times_s: Mutex<HashMap<usize, f64>>,
 }
@@ -64,8 +66,8 @@ impl<'a> Thinning<'a> {
         let floor = ThinnedFloor::new(input.grid, &cutters, input.setup.allowances.hub_allowance);
         let cores = Cores::new(input.plan, input.blank);
         let uncut_share = floor.uncut_share_with(0.0);
-        let mut thinning =
-            Self { input, floor, cores, uncut_share, order: Vec::new(), times_s: Mutex::default() };
+        let (order, times_s) = (Vec::new(), Mutex::default());
+        let mut thinning = Self { input, floor, cores, uncut_share, order, is_cut_short: false, times_s };
         thinning.find_order(monitor)?;
         Ok(thinning)
     }
@@ -101,6 +103,7 @@ impl<'a> Thinning<'a> {
         let mut waiting: Vec<Vec<usize>> = vec![Vec::new(); plunges];
         while let Some(QueuedPlunge { price: before, plunge }) = queue.pop() {
             if monitor.is_stopped() {
+                self.is_cut_short = true;
                 break;
             }
             let change = self.floor.change_without(plunge);
@@ -152,6 +155,11 @@ impl<'a> Thinning<'a> {
     /// Share of the floor that may be uncut when plunges are left out.
     pub fn max_uncut_share(&self) -> f64 {
         self.input.limits.max_uncut_share(self.uncut_share)
+    }
+
+    /// Whether a stop ended the search for the order: more plunges may be left out.
+    pub fn is_cut_short(&self) -> bool {
+        self.is_cut_short
     }
 
     /// Number of plunges that can be left out.

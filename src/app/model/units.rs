@@ -166,7 +166,7 @@ impl DisplayUnits {
 #[cfg(test)]
 mod tests {
     use super::DisplayUnits::{Inch, Metric};
-    use super::Quantity;
+    use super::{Quantity, decimals_beside};
 
     #[test]
     fn negative_lengths_have_a_minus_sign_that_is_read_again() {

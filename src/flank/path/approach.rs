@@ -11,8 +11,16 @@ const RAMP_TURNS: f64 = 12.0;
 /// Maximum angle of a ramp, rad.
 const MAX_RAMP: f64 = 2.0 * RAMP;
 
-/// Height of stock below the start of a pass that a cutter takes without a ramp, mm.
+/// Height of stock above the start of a pass that a cutter takes without a ramp, mm: what the resolution of
+/// heights may make of none.
 const MIN_RAMP_HEIGHT: f64 = 0.05;
+/// Distance above the stock from which a cutter goes slower at least, mm: narrow ribs between two looks.
+const MIN_DISTANCE: f64 = 0.5;
+
+/// Whether stock that stands `stands` mm above the start of a pass takes a ramp.
+pub(super) fn needs_ramp(stands: f64) -> bool {
+    stands > MIN_RAMP_HEIGHT
+}
 
 /// Length of a ramp from `height` mm above to and fro along `reach` mm of a pass, mm.
 fn ramp_length(reach: f64, height: f64) -> f64 {
@@ -50,12 +58,12 @@ pub(super) fn approach(
 ) -> Vec<ApproachStep> {
     let (tip, axis) = positions[0];
     let mut steps = Vec::new();
-    let slower_from = stands + distance;
+    let slower_from = stands + distance.max(MIN_DISTANCE);
     if slower_from < top {
         let position = (tip + axis * slower_from, axis);
         steps.push(ApproachStep { position, over: 0, feed: ApproachFeed::Down });
     }
-    if stands > MIN_RAMP_HEIGHT {
+    if needs_ramp(stands) {
         let feeds = std::iter::once(ApproachFeed::Pass).chain(std::iter::repeat(ApproachFeed::Ramp));
         let ramp = ramp(positions, stands).into_iter().zip(feeds);
         steps.extend(ramp.map(|((position, over), feed)| ApproachStep { position, over, feed }));
@@ -163,6 +171,8 @@ mod tests {
         assert_eq!(heights(20.0, 0.0), [(2.0, Down), (0.0, Pass)]);
         assert_eq!(heights(20.0, 0.04), [(2.04, Down), (0.0, Pass)], "too little for a ramp");
         assert_eq!(heights(1.5, 0.0), [(0.0, Pass)], "from below the distance");
+        let near = approach(&positions, 20.0, 0.0, 0.0);
+        assert_eq!(near[0].position.0.z, 0.5, "never nearer than what ribs may stand unseen");
         let ramped = heights(20.0, 3.0);
         assert_eq!(ramped[..2], [(5.0, Down), (3.0, Pass)]);
         assert!(ramped.windows(2).all(|pair| pair[1].0 <= pair[0].0), "never up again");

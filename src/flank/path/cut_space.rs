@@ -26,8 +26,9 @@ struct SweptStretch {
 /// Number of moves of a stretch.
 const STRETCH: usize = 16;
 
-/// Distances of the lines from the axis, in radii, with the number of lines on each circle.
-const CIRCLES: [(f64, usize); 3] = [(0.0, 1), (0.6, 8), (0.99, 24)];
+/// Distances of the lines from the axis, in radii, with the number of lines on each circle: the next one is
+/// at most about a third of a radius away.
+const CIRCLES: [(f64, usize); 4] = [(0.0, 1), (0.33, 6), (0.66, 12), (0.99, 24)];
 /// Step along a line, mm, and in radii at most.
 const STEP: f64 = 0.5;
 const MAX_STEP_RADII: f64 = 0.2;
@@ -91,12 +92,13 @@ impl<'a> CutSpace<'a> {
         let mut stands = 0.0;
         for &([x, y], bottom) in &self.lines {
             let origin = tip + aside * x + beside * y + axis * bottom;
-            let mut height = top;
+            // Down to the highest that stands so far, where that line is looked at too: a thin layer would
+            // lie between two steps.
+            let (mut height, mut free) = (top, top);
             while height > stands && is_free(origin + axis * height) {
-                height -= step;
+                (height, free) = ((height - step).max(stands), height);
             }
-            if height > stands {
-                let mut free = (height + step).min(top);
+            if height > stands || !is_free(origin + axis * height) {
                 while free - height > RESOLUTION {
                     let middle = 0.5 * (free + height);
                     *(if is_free(origin + axis * middle) { &mut free } else { &mut height }) = middle;

@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use super::approach::{ApproachFeed, ApproachStep, approach};
+use super::approach::{ApproachStep, approach, needs_ramp};
 use super::cut_space::CutSpace;
 use super::inputs::{LayerPasses, Pass, PathMaker};
 use super::moves::is_same;
@@ -64,6 +64,17 @@ impl PassEntry {
             EntryMoves::Descent { above, .. } => Some(above.0),
         }
     }
+}
+
+/// A way from above the blank down to a position.
+struct Descent {
+    /// The point above the blank, with its axis.
+    above: (Point, Vector),
+    steps: Vec<ApproachStep>,
+    /// Height of the stock above the position, mm.
+    stands: f64,
+    /// Time from the point above, min.
+    minutes: f64,
 }
 
 /// The positions of a pass from one of its ends on.
@@ -148,14 +159,13 @@ impl<'a> EntryFinder<'a> {
     }
 
     /// The fastest way from above the blank to `pass`, and how long it takes from there, min: down to one of
-    /// its ends, or, where a ramp would be needed there, down to an end of a pass that is cut, and over the
-    /// layer to the nearer of both.
+    /// its ends, or, where that takes a ramp, down to an end of a pass that is cut, and over the layer to the
+    /// nearer of both.
     fn fastest_descent(&self, layer: &LayerPasses, pass: &Pass, feed: f64) -> (PassEntry, f64) {
         let down = |end: usize| {
-            let (above, steps, minutes) = self.descent(&positions_from(pass, end), pass.open[end], feed);
-            let ramps = has_ramp(&steps);
-            let moves = EntryMoves::Descent { above, steps, link: Vec::new() };
-            (PassEntry { end, moves }, minutes, ramps)
+            let descent = self.descent(&positions_from(pass, end), pass.open[end], feed);
+            let moves = EntryMoves::Descent { above: descent.above, steps: descent.steps, link: Vec::new() };
+            (PassEntry { end, moves }, descent.minutes, needs_ramp(descent.stands))
         };
         let mut direct = down(usize::from(!pass.open[0] && pass.open[1]));
         if direct.2 {
@@ -168,34 +178,31 @@ impl<'a> EntryFinder<'a> {
         if !ramps || !pass.linked || self.maker.ramp_height.is_some() {
             return (entry, minutes);
         }
+        let link_feed = self.maker.link_feed(feed);
         let beside = |end: usize| {
             let target = PassEnd::of(pass, end);
             let reached = self.ends.iter().filter(|cut| cut.turn_to(&target) <= MAX_LINK_TURN);
             let nearest = reached.map(|cut| (layer.layer.segment_length(cut.place, target.place), cut));
             let (long, cut) = nearest.min_by(|a, b| a.0.total_cmp(&b.0))?;
-            if long / feed >= minutes {
+            if long / link_feed >= minutes {
                 return None;
             }
-            let (above, steps, down) = self.descent(&[cut.position], false, feed);
-            let beside = down + long / feed;
-            if beside >= minutes || has_ramp(&steps) {
+            let descent = self.descent(&[cut.position], false, feed);
+            let beside = descent.minutes + long / link_feed;
+            if beside >= minutes || needs_ramp(descent.stands) {
                 return None;
             }
             let link = self.link(layer, [cut, &target], long)?;
-            Some((PassEntry { end, moves: EntryMoves::Descent { above, steps, link } }, beside))
+            let moves = EntryMoves::Descent { above: descent.above, steps: descent.steps, link };
+            Some((PassEntry { end, moves }, beside))
         };
         let fastest = [0, 1].into_iter().filter_map(beside).min_by(|a, b| a.1.total_cmp(&b.1));
         fastest.unwrap_or((entry, minutes))
     }
 
-    /// The point above the blank over the first of `positions`, with its axis, the way down from there, and
-    /// how long it takes, min. `is_open`: that position is beyond the part.
-    fn descent(
-        &self,
-        positions: &[(Point, Vector)],
-        is_open: bool,
-        feed: f64,
-    ) -> ((Point, Vector), Vec<ApproachStep>, f64) {
+    /// The way down to the first of `positions`, of a pass with the rate `feed`. `is_open`: that position is
+    /// beyond the part.
+    fn descent(&self, positions: &[(Point, Vector)], is_open: bool, feed: f64) -> Descent {
         let (tip, axis) = positions[0];
         let above = self.above((tip, axis));
         let top = (above - tip).norm();
@@ -209,7 +216,7 @@ impl<'a> EntryFinder<'a> {
             minutes += (step.position.0 - at).norm() / self.maker.approach_feed(step.feed, feed);
             at = step.position.0;
         }
-        ((above, axis), steps, minutes)
+        Descent { above: (above, axis), steps, stands, minutes }
     }
 
     /// Positions of a link of `long` mm over the layer from one end of a pass to another; `None` if it is not
@@ -242,8 +249,4 @@ impl<'a> EntryFinder<'a> {
             })
             .collect()
     }
-}
-
-fn has_ramp(steps: &[ApproachStep]) -> bool {
-    steps.iter().any(|step| step.feed == ApproachFeed::Ramp)
 }

@@ -73,6 +73,12 @@ impl PathMaker<'_> {
         }
     }
 
+    /// Feed rate over the layer to a pass from where another one ends, mm/min, whose own is `feed`: there may
+    /// be stock on both sides.
+    pub(super) fn link_feed(&self, feed: f64) -> f64 {
+        feed.min(self.feeds.slot_mm_per_min)
+    }
+
     /// Feed rate along a pass, mm/min, after those of `cut` on its layer.
     pub(super) fn feed_of(&self, pass: &Pass, cut: &CutPasses) -> f64 {
         let feeds = &self.feeds;

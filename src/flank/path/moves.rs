@@ -47,6 +47,8 @@ pub struct MoveOrigin {
     pub to: usize,
     /// Index of the position at its start, for a move along the pass.
     pub from: Option<usize>,
+    /// Whether it leads to the end of another pass, from where the tool goes on over the layer.
+    pub is_beside: bool,
 }
 
 /// Moves with their origins.

@@ -83,25 +83,36 @@ impl<'a> ProgramWriter<'a> {
             along_wall: matches!(pass.role, PassRole::Wall(_)),
         };
         let in_pass = |k: usize| if reversed { count - 1 - k } else { k };
-        let origin = |k: usize| MoveOrigin { layer: index, pass: number, to: in_pass(k), from: None };
+        let origin = |k: usize| MoveOrigin {
+            layer: index,
+            pass: number,
+            to: in_pass(k),
+            from: None,
+            is_beside: false,
+        };
         match entry.moves {
             EntryMoves::Link(link) => {
                 link.into_iter().for_each(|p| self.push(about(MoveKind::Link, p), origin(0)));
             }
             EntryMoves::Descent { above, steps, link } => {
                 self.retract();
+                let over = |k: usize| MoveOrigin { is_beside: !link.is_empty(), ..origin(k) };
                 let above = about(MoveKind::Rapid, above);
                 if !self.moves.is_empty() {
                     self.rapids.push(self.moves.len());
-                    self.push(above, origin(0));
+                    self.push(above, over(0));
                 }
-                self.push(above, origin(0));
-                for ApproachStep { position, over, feed: slot } in steps {
+                self.push(above, over(0));
+                for ApproachStep { position, over: k, feed: kind } in steps {
                     let step = about(MoveKind::Approach, position);
-                    let feed_mm_per_min = self.maker.approach_feed(slot, feed);
-                    self.push(FlankMove { feed_mm_per_min, ..step }, origin(over));
+                    let feed_mm_per_min = self.maker.approach_feed(kind, feed);
+                    self.push(FlankMove { feed_mm_per_min, ..step }, over(k));
                 }
-                link.into_iter().for_each(|p| self.push(about(MoveKind::Link, p), origin(0)));
+                let feed_mm_per_min = self.maker.link_feed(feed);
+                for &position in &link {
+                    let step = about(MoveKind::Link, position);
+                    self.push(FlankMove { feed_mm_per_min, ..step }, over(0));
+                }
             }
         }
         for (k, &p) in positions.iter().enumerate().skip(1) {

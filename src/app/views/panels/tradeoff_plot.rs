@@ -103,7 +103,7 @@ impl Curves<'_> {
 /// The two points of the curve beside a time of `minutes`, and how far it is from the first to the second,
 /// 0…1.
 fn between(curve: &[CurvePlace], minutes: f64) -> Option<([usize; 2], f64)> {
-    let next = curve.iter().position(|(time, _)| *time <= minutes).unwrap_or(curve.len() - 1);
+    let next = curve.iter().position(|(time, _)| *time <= minutes).unwrap_or(curve.len().saturating_sub(1));
     let pair = [next.saturating_sub(1), next];
     let [slow, fast] = [curve.get(pair[0])?.0, curve.get(pair[1])?.0];
     let share = if slow > fast { (slow - minutes) / (slow - fast) } else { 0.0 };

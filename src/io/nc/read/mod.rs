@@ -54,7 +54,10 @@ pub fn read_nc(
         }
         words.clear();
         read_words(dialect, text, &mut words).map_err(|fault| {
-            let help = help_of_another(dialect, &whole, line).unwrap_or_else(|| fault.help.to_owned());
+            let help = match help_of_another(dialect, &whole, line) {
+                Some(other) => format!("{}; {other}", fault.help),
+                None => fault.help.to_owned(),
+            };
             source.fault(line, fault.what, help)
         })?;
         state.block(line, &words)?;
