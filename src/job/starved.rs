@@ -1,7 +1,7 @@
 //! Plans of `minimal` whose rows starve: where no core is free at some s, nothing behind it is either.
 
 use super::{PlanOutcome, PolicyCache, PolicyResult, measure_residual};
-use crate::monitor::{Cancelled, Monitor};
+use crate::monitor::Monitor;
 use crate::plunge::sections::Resolved;
 use crate::plunge::{DropReason, PlanError, Planner, SectionPlan, cutting_order};
 use crate::setup::{AxisPolicy, CutDirection, SectionKind};
@@ -48,9 +48,11 @@ pub(super) fn reordered(
         let known = known.policies.entry(AxisPolicy::Minimal).or_default();
         let plan = match planner.plan_cached(AxisPolicy::Minimal, known, &monitor.silent()) {
             Ok(plan) if !plan.is_unfinished() => plan,
-            // It starves as well.
-            Ok(_) if !monitor.is_stopped() => continue,
-            Ok(_) => return Err(Cancelled.into()),
+            // It starves as well, unless a stop ended it.
+            Ok(_) => {
+                monitor.check()?;
+                continue;
+            }
             Err(PlanError::Cancelled(cancelled)) => return Err(cancelled.into()),
             Err(PlanError::Setup(_)) => return Ok(None),
         };

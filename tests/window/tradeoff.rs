@@ -116,7 +116,7 @@ fn weighing() -> Window {
     window
 }
 
-/// At 150 % on a small screen the lines below the plot wrap: the plot leaves them their room.
+/// At 150 % on a small screen the lines below the plot wrap: it shrinks so that all of them are visible.
 #[test]
 fn the_lines_below_the_curve_are_in_view_in_a_small_window() {
     let mut window = scaled(rough(), 1.5);

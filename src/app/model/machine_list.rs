@@ -41,7 +41,7 @@ impl MachineList {
         missing.map(str::to_owned).into_iter().chain(known).collect()
     }
 
-    /// What a list shows for a machine: its name, and the file where that is no machine of the program.
+    /// Label of a machine in lists: its name, followed by its file name if it is read from a machine file.
     pub fn label_of(&self, machine: &str) -> String {
         let file = Path::new(machine).file_name();
         let file = file.map_or_else(|| machine.into(), |file| file.to_string_lossy());

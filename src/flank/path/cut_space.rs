@@ -15,10 +15,11 @@ pub(super) struct CutSpace<'a> {
     sweeps: Vec<SweptStretch>,
 }
 
-/// A stretch of a pass, as its positions of tip and unit axis.
+/// A stretch of a pass.
 struct SweptStretch {
-    positions: Vec<(Point, Vector)>,
-    /// One of them, and how far the lines of the cutter along the others are from its own at most, mm.
+    moves: Vec<SweptMove>,
+    /// One of its positions, tip and unit axis, and how far the axes of the cutter at the others are from its
+    /// own at most, mm.
     middle: (Point, Vector),
     apart: f64,
 }
@@ -64,8 +65,17 @@ impl<'a> CutSpace<'a> {
                 (tip - middle.0).norm() + self.flutes * (axis - middle.1).norm()
             };
             let apart = positions.iter().map(apart).fold(0.0, f64::max);
-            self.sweeps.push(SweptStretch { positions: positions.to_vec(), middle, apart });
+            let moves = positions.windows(2).map(|pair| self.swept([pair[0], pair[1]])).collect();
+            self.sweeps.push(SweptStretch { moves, middle, apart });
         }
+    }
+
+    /// The straight move between two positions, tip and unit axis.
+    fn swept(&self, [from, to]: [(Point, Vector); 2]) -> SweptMove {
+        let along = to.0 - from.0;
+        let across = along - from.1 * along.dot(&from.1);
+        let apart = along.norm() + self.flutes * (to.1 - from.1).norm();
+        SweptMove { from, to, across: across / across.norm_squared().max(1e-18), apart }
     }
 
     /// Height above `tip` along the unit `axis` from which on the cutter meets no stock, mm: at most `top`,
@@ -79,13 +89,13 @@ impl<'a> CutSpace<'a> {
         let (mut last, mut warm) = (0, None);
         let mut is_free = |point: Point| {
             let is_cut = |swept: &SweptMove| self.is_cut(swept, &point);
-            if near.get(last).is_some_and(is_cut) {
+            if near.get(last).copied().is_some_and(is_cut) {
                 return true;
             }
             if !self.blank.is_solid(Meridional::from_point(&point), &mut warm) {
                 return true;
             }
-            let found = near.iter().position(is_cut);
+            let found = near.iter().copied().position(is_cut);
             last = found.unwrap_or(last);
             found.is_some()
         };
@@ -111,7 +121,7 @@ impl<'a> CutSpace<'a> {
 
     /// The moves of passes that may have cut something of what the cutter sweeps on its way down from `top`
     /// mm above `tip`, the nearest first.
-    fn near(&self, tip: Point, axis: Vector, top: f64) -> Vec<SweptMove> {
+    fn near(&self, tip: Point, axis: Vector, top: f64) -> Vec<&SweptMove> {
         let reach = 2.0 * self.tool.radius();
         let way = (tip, axis, top);
         let mut near = Vec::new();
@@ -120,15 +130,11 @@ impl<'a> CutSpace<'a> {
             if apart_of(way, (tip, axis, self.flutes)) > sweep.apart + reach {
                 continue;
             }
-            for pair in sweep.positions.windows(2) {
-                let [from, to] = [pair[0], pair[1]];
-                let along = to.0 - from.0;
-                let across = along - from.1 * along.dot(&from.1);
-                let apart = along.norm() + self.flutes * (to.1 - from.1).norm();
-                let distance = apart_of(way, (from.0, from.1, self.flutes));
-                if distance <= reach + apart {
-                    let across = across / across.norm_squared().max(1e-18);
-                    near.push((distance, SweptMove { from, to, across, apart }));
+            for swept in &sweep.moves {
+                let (tip, axis) = swept.from;
+                let distance = apart_of(way, (tip, axis, self.flutes));
+                if distance <= reach + swept.apart {
+                    near.push((distance, swept));
                 }
             }
         }

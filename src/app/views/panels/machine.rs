@@ -14,7 +14,7 @@ use crate::setup::Setup;
 const TIP: &str = "Machine that the program is for. The timeline shows where its axes stand, and the\n\
      planner keeps to the tilt that it reaches. One of your own is a machine file: a copy of one in\n\
      `assets/machines` with your axes, limits and zero point";
-/// Text of the list where there is no machine.
+/// Entry for no machine.
 const NONE: &str = "None";
 
 /// What was chosen in the list of machines.

@@ -87,9 +87,9 @@ impl Curves<'_> {
         let stocks = self.plunging.iter().map(|at| at.1).filter(|stock| stock.is_finite());
         let top = stocks.fold(0.1, f64::max);
         // A curve of one point has no width of its own.
-        let room = OTHERS_SHOWN * (high - low).max(MIN_WIDTH * high);
+        let margin = OTHERS_SHOWN * (high - low).max(MIN_WIDTH * high);
         let is_near = |&(time, stock): &CurvePlace| {
-            (low - room..=high + room).contains(&time) && stock <= (1.0 + OTHERS_SHOWN) * top
+            (low - margin..=high + margin).contains(&time) && stock <= (1.0 + OTHERS_SHOWN) * top
         };
         let near: Vec<CurvePlace> = self.others.iter().map(|other| other.at).filter(is_near).collect();
         let (low, high) = ends(&mut [low, high].into_iter().chain(near.iter().map(|at| at.0)));
