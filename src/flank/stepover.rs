@@ -33,6 +33,9 @@ pub fn stepover(tool: &Tool, scallop_height: f64, bulge: f64) -> f64 {
     };
     // A flat bottom rests on its rim where the surface is hollow: the height there counts from the rim.
     let lift = if radius < 0.0 { (0.5 * flat * flat / radius).abs() } else { 0.0 };
+    if lift > scallop_height {
+        return over_hollow(flat, scallop_height, -radius);
+    }
     let (mut low, mut high) = (0.0, tool.radius());
     let fits = |a: f64| {
         let (x, above) = above(a);
@@ -50,6 +53,18 @@ pub fn stepover(tool: &Tool, scallop_height: f64, bulge: f64) -> f64 {
         }
     }
     low + high
+}
+
+/// The stepover in a hollow of this `radius` where a bottom flat to the distance `flat` from its axis leaves
+/// more than `scallop_height` in its middle: there the rims of the neighbouring positions cut. Within the arc
+/// length that is returned from its rim the bottom leaves no more.
+fn over_hollow(flat: f64, scallop_height: f64, radius: f64) -> f64 {
+    // Distance of the bottom from the centre of the circle, and of the circle from the axis where it is
+    // `scallop_height` below the bottom.
+    let bottom = (radius * radius - flat * flat).max(0.0).sqrt();
+    let inner = (radius * radius - (bottom + scallop_height).powi(2)).max(0.0).sqrt();
+    let angle = |x: f64| (x / radius).min(1.0).asin();
+    radius * (angle(flat) - angle(inner))
 }
 
 #[cfg(test)]
@@ -91,6 +106,27 @@ mod tests {
                 if convex { centre * turn.cos() - root - rho } else { rho - centre * turn.cos() - root };
             assert!((cusp - e).abs() < 1e-6, "cusp {cusp} at {rho} {convex}, stepover {i}");
         }
+    }
+
+    #[test]
+    fn in_a_hollow_the_rims_of_neighbours_cut_what_a_flat_bottom_leaves_in_its_middle() {
+        let (rho, flat, e) = (20.0f64, 6.0f64, 0.25f64);
+        // What stays on the circle at an angle, of cutters at whole numbers of steps of `turn`.
+        let left = |at: f64, turn: f64| {
+            let under = |k: i32| {
+                let off: f64 = at - f64::from(k) * turn;
+                let is_below = (rho * off.sin()).abs() <= flat;
+                is_below.then(|| rho - (rho * rho - flat * flat).sqrt() / off.cos())
+            };
+            (-60..60).filter_map(under).fold(f64::INFINITY, f64::min)
+        };
+        let most =
+            |turn: f64| (0..1000).map(|k| left(turn * f64::from(k) / 1000.0, turn)).fold(0.0, f64::max);
+        let step = stepover(&tool(2.0 * flat, 0.0), e, -1.0 / rho);
+        assert!(step > 0.3 && most(step / rho) < e, "{step}: {}", most(step / rho));
+        // The steps of others bring a rim to its middle by chance: none of a range this much wider is enough.
+        let wider = (20..40).map(|k| most(step * f64::from(k) / 10.0 / rho)).fold(0.0, f64::max);
+        assert!(wider > e, "{wider}");
     }
 
     #[test]
