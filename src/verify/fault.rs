@@ -39,7 +39,7 @@ pub enum FaultKind {
     AxisLimit,
     /// The axis turns too far in one move; value: the turn, degrees.
     AxisTurn,
-    /// A cut engages deeper than the tool is long; value: the depth, mm.
+    /// A cut engages deeper than the tool is long, or than is plausible for its diameter; value: the depth, mm.
     TooDeep,
     /// Cuts without a feed rate; value: their number.
     NoFeed,
@@ -71,7 +71,7 @@ impl FaultKind {
             Self::AxisTilt => ("axis beyond the machine's tilt", "axes beyond the machine's tilt"),
             Self::AxisLimit => ("position beyond an axis limit", "positions beyond an axis limit"),
             Self::AxisTurn => ("move that turns the axis too far", "moves that turn the axis too far"),
-            Self::TooDeep => ("cut deeper than the tool is long", "cuts deeper than the tool is long"),
+            Self::TooDeep => ("cut too deep at once", "cuts too deep at once"),
             Self::NoFeed => ("cut without a feed rate", "cuts without a feed rate"),
             Self::SpindleStopped => ("cut with the spindle stopped", "cuts with the spindle stopped"),
             Self::CutsNothing => ("program that cuts nothing", "programs that cut nothing"),

@@ -9,7 +9,7 @@ use super::stock::{FloorResult, StockCollision, StockProbe};
 use super::{FlankVerifier, HUB_TOLERANCE};
 use crate::cutting::assembly::AssemblySurroundings;
 use crate::setup::{Setup, Tool};
-use crate::toolpath::{ClProgram, Motion, Move};
+use crate::toolpath::{ClProgram, Motion, Move, is_axial};
 use crate::verify::assembly::assembly_findings;
 use crate::verify::fault::{
     Fault, FaultKind, Finding, beyond_machine, missing_feed, near_blade, near_hub, rapid_near_blank,
@@ -62,7 +62,10 @@ impl FlankVerifier<'_> {
         if depth > tool.overhang {
             return Some(too_deep(depth, tool).at(step.line));
         }
-        (depth > max_plausible_depth(tool, self.setup))
+        // A plunge cuts beside the one before, along its whole length.
+        let ((from, before), (to, axis)) = (step.from, step.to);
+        let plunges = tool.is_flat() && is_axial(&(to - from), &before, &axis);
+        (!plunges && depth > max_plausible_depth(tool, self.setup))
             .then(|| too_thick(depth, tool, self.setup).at(step.line))
     }
 
