@@ -14,6 +14,9 @@ const MAX_STEP_RAD: f64 = std::f64::consts::PI / 6.0;
 /// Maximum number of times that the ends are raised until the link is clear.
 const MAX_RAISES: usize = 30;
 
+/// Lift of the ends of a link that is worth moves of its own, mm.
+pub const MIN_LIFT: f64 = 1e-6;
+
 /// A rapid of a tool from a position in one channel to a position in another, each a tip (mm) and a unit
 /// axis.
 #[derive(Clone, Copy, Debug)]

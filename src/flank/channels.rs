@@ -1,19 +1,15 @@
 //! The program of a flank plan for several channels: what it cuts in one, turned by the pitch, and links from
 //! channel to channel.
 
+use super::opening::PLUNGE_MOVES;
 use super::path::RAPID_MARGIN;
 use super::{FlankMove, FlankOpening, FlankPlan};
-use crate::cutting::channel_link::ChannelLink;
+use crate::cutting::channel_link::{ChannelLink, MIN_LIFT};
 use crate::geometry::{Point, Vector, rotate_vector_z, rotate_z};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller};
 use crate::setup::{Setup, Tool};
 use crate::toolpath::{ChannelStep, ClProgram, Motion, Move, OpenedPlaces, order_steps};
-
-/// Moves of a plunge above the shroud.
-const PLUNGE_MOVES: usize = 3;
-/// Lift of the ends of a link that is worth moves of its own, mm.
-const MIN_LIFT: f64 = 1e-6;
 
 /// What a flank plan cuts in one channel.
 #[derive(Clone, Copy, Debug)]
@@ -47,11 +43,10 @@ impl FlankPlan {
 }
 
 impl FlankChannel<'_> {
-    /// The index among its [`moves`](Self::moves) of move `index` of its program; `None` of a plunge above
-    /// the shroud, with which that begins.
+    /// The index among its [`moves`](Self::moves) of move `index` of its program; `None` of the
+    /// opening, with which that begins.
     pub fn index_of_pass(&self, index: usize) -> Option<usize> {
-        let plunges = self.opening.map_or(0, |opening| opening.plunges.len());
-        index.checked_sub(PLUNGE_MOVES * plunges)
+        index.checked_sub(self.opening.map_or(0, FlankOpening::move_count))
     }
 
     /// The program of one channel.
@@ -95,9 +90,10 @@ impl FlankChannel<'_> {
         });
         let mut last: Option<ChannelStep> = None;
         for step in steps {
-            let first = PLUNGE_MOVES * step.index.min(count);
-            let end = if step.index < count { first + PLUNGE_MOVES } else { one.moves.len() };
             let linked = last.filter(|last| (last.channel, last.index + 1) != (step.channel, step.index));
+            let link = self.opening.filter(|_| step.index == count && linked.is_some());
+            let first = PLUNGE_MOVES * step.index.min(count) + link.map_or(0, |opening| opening.link.len());
+            let end = if step.index < count { first + PLUNGE_MOVES } else { one.moves.len() };
             writer.write(&one.moves[first..end], (first, step), linked, monitor)?;
             last = Some(step);
         }

@@ -17,6 +17,7 @@
 //! | `passes` | tool positions along the passes |
 //! | `engagement` | which passes run through full stock |
 //! | [`fault_removal`] | removal of the moves that a check of the whole program rejects |
+//! | `opening` | plunges above the shroud that come before the passes |
 //! | [`path`] | order, links and rapids: from passes to a program |
 //! | [`channels`] | the program for several channels, with the links between them |
 //! | [`plan`](mod@plan) | the whole plan, stage by stage |
@@ -33,6 +34,7 @@ pub mod layer;
 pub mod layer_regions;
 pub mod layer_walls;
 mod offset;
+mod opening;
 mod passes;
 pub mod path;
 pub mod plan;
@@ -44,7 +46,8 @@ mod uncut;
 pub mod wall;
 
 pub use curves::{FlankError, FlankLayout, LayoutInputs};
+pub use opening::FlankOpening;
 pub use path::{FlankMove, MoveKind};
-pub use plan::{FlankOpening, FlankPlan, FlankStages, plan};
+pub use plan::{FlankPlan, FlankStages, plan};
 pub use uncut::{UncutLength, UncutReason};
 pub use wall::MilledWall;

@@ -8,13 +8,14 @@ use super::chart::LayerChart;
 use super::choice::ChosenTool;
 use super::curves::{FlankError, FlankLayout, LayoutInputs};
 use super::fault_removal::{CheckedMoves, MoveCheck, MoveFault, remove_faults};
+use super::opening::FlankOpening;
 use super::passes::{PassMaker, PlannedLayer, RegionAxis};
 use super::path::{FlankMove, LayerPasses, PathMaker, Times};
 use super::region::{Region, WallName};
 use super::uncut::UncutLength;
 use super::wall::{MIN_WALL_TOLERANCE, MilledWall, SweptWall, WallFit, WallMilling};
 use crate::cutting::drop_cutter::DepthSurface;
-use crate::geometry::{MeridionalCurve, Point, Vector};
+use crate::geometry::MeridionalCurve;
 use crate::monitor::Monitor;
 use crate::part::Workpiece;
 use crate::setup::{FlankFeedRates, FlankStrategy, Setup, Tool};
@@ -31,16 +32,6 @@ const MAX_GAIN: f64 = 10.0;
 /// them, mm.
 const WALL_STEP: f64 = 4.0;
 const WALL_CHORD: f64 = 5e-4;
-
-/// Plunges with a tool of their own that remove what stands above the shroud in the way of the tool for the
-/// passes.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FlankOpening {
-    /// The tool.
-    pub tool: Tool,
-    /// Retract point, tip and unit axis of each plunge, mm, part frame.
-    pub plunges: Vec<(Point, Point, Vector)>,
-}
 
 /// A flank plan of one channel.
 #[derive(Clone, Debug)]

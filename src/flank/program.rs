@@ -1,8 +1,7 @@
 //! Flank plans as cutter-location programs.
 
+use super::FlankMove;
 use super::path::MoveKind;
-use super::{FlankMove, FlankOpening};
-use crate::geometry::{Point, Vector};
 use crate::setup::Tool;
 use crate::toolpath::{ClProgram, ClTool, Motion, Move};
 
@@ -25,23 +24,5 @@ impl ClProgram {
             moves: moves.collect(),
             ..Self::default()
         }
-    }
-
-    /// This program after the plunges of `opening`, if there are any.
-    #[must_use]
-    pub fn after_opening(mut self, opening: Option<&FlankOpening>) -> Self {
-        let Some(FlankOpening { tool, plunges }) = opening else { return self };
-        let number = Some(self.tools.len());
-        self.tools.push(ClTool::from_tool(tool));
-        let plunge = |&(retract, tip, axis): &(Point, Point, Vector)| {
-            let motions = [
-                (Motion::Rapid, retract),
-                (Motion::Feed(Some(tool.plunge_feed)), tip),
-                (Motion::Rapid, retract),
-            ];
-            motions.map(|(motion, tip)| Move { motion, tip, axis, tool: number, line: 0 })
-        };
-        self.moves.splice(0..0, plunges.iter().flat_map(plunge));
-        self
     }
 }

@@ -70,6 +70,9 @@ struct OpeningFile {
     tool: u32,
     /// Retract point, tip and axis of each.
     plunges: Vec<[[f64; 3]; 3]>,
+    /// Tip and axis of each rapid to the passes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    link: Vec<[[f64; 3]; 2]>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -234,7 +237,15 @@ fn stored_opening(opening: &FlankOpening) -> FlankOpening {
         let [retract, tip] = [retract, tip].map(|p| stored::point(rounded(p.coords.into(), STEPS_PER_MM)));
         (retract, tip, stored::unit_axis(rounded((*axis).into(), AXIS_STEPS)).unwrap_or(*axis))
     };
-    FlankOpening { plunges: opening.plunges.iter().map(plunge).collect(), ..opening.clone() }
+    let position = |(tip, axis): &(Point, Vector)| {
+        let tip = stored::point(rounded(tip.coords.into(), STEPS_PER_MM));
+        (tip, stored::unit_axis(rounded((*axis).into(), AXIS_STEPS)).unwrap_or(*axis))
+    };
+    FlankOpening {
+        tool: opening.tool.clone(),
+        plunges: opening.plunges.iter().map(plunge).collect(),
+        link: opening.link.iter().map(position).collect(),
+    }
 }
 
 /// The program of a plan as [`StoredFlank::program`] reads it from a file for that number of `channels`: NC
@@ -329,7 +340,14 @@ pub fn write_flank(
                 let [retract, tip] = [retract, tip].map(|p| rounded(p.coords.into(), STEPS_PER_MM));
                 [retract, tip, rounded((*axis).into(), AXIS_STEPS)]
             };
-            OpeningFile { tool: opening.tool.number, plunges: opening.plunges.iter().map(plunge).collect() }
+            let position = |(tip, axis): &(Point, Vector)| {
+                [rounded(tip.coords.into(), STEPS_PER_MM), rounded((*axis).into(), AXIS_STEPS)]
+            };
+            OpeningFile {
+                tool: opening.tool.number,
+                plunges: opening.plunges.iter().map(plunge).collect(),
+                link: opening.link.iter().map(position).collect(),
+            }
         }),
     };
     let mut text = serde_json::to_string(&file).unwrap_or_default();
@@ -352,7 +370,14 @@ fn read_opening(name: &str, file: &OpeningFile, setup: &Setup) -> Result<FlankOp
         Ok((stored::point(retract), stored::point(tip), axis))
     };
     let plunges = file.plunges.iter().enumerate().map(plunge).collect::<Result<_, InputError>>()?;
-    Ok(FlankOpening { tool, plunges })
+    let position = |&[tip, axis]: &[[f64; 3]; 2]| {
+        let axis = stored::unit_axis(axis).filter(|_| are_coordinates(&tip));
+        let axis =
+            axis.ok_or_else(|| damaged(name, "the rapid from the plunges to the passes is damaged"))?;
+        Ok((stored::point(tip), axis))
+    };
+    let link = file.link.iter().map(position).collect::<Result<_, InputError>>()?;
+    Ok(FlankOpening { tool, plunges, link })
 }
 
 /// Reads a flank plan file; `name` is the file name used in messages.

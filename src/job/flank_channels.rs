@@ -1,7 +1,8 @@
 //! Programs of several channels of a flank plan, judged as they are written.
 
 use super::JobError;
-use super::flank::{FlankJob, FlankOutcome, FlankRequest, WheelPlanner, as_written};
+use super::flank::{FlankJob, FlankOutcome, FlankRequest};
+use super::flank_check::{WheelPlanner, as_written};
 use crate::flank::FlankPlan;
 use crate::flank::channels::FlankChannels;
 use crate::flank::path::Times;

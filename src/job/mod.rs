@@ -7,6 +7,8 @@ mod channels;
 mod edited;
 pub mod flank;
 pub mod flank_channels;
+mod flank_check;
+mod flank_preparation;
 mod goal;
 mod machine;
 pub mod machine_run;

@@ -6,6 +6,7 @@ use std::sync::{Arc, LazyLock};
 
 use vanecut::cutting::link::AxisTurn;
 use vanecut::cutting::retract::bottom_clearance;
+use vanecut::flank::FlankOpening;
 use vanecut::flank::channels::FlankChannels;
 use vanecut::geometry::{rotate_vector_z, rotate_z};
 use vanecut::io::apt::{read_apt_bytes, write_apt};
@@ -255,4 +256,55 @@ fn figures_of_a_program_are_those_of_verify() {
         Setup { flank: outcome.setup.flank.clone(), channels: outcome.setup.channels, ..Setup::default() };
     let verdict = verify_flank(&outcome.workpiece, &setup, &program, &Monitor::default()).expect("judged");
     assert_eq!(format!("{verdict:?}"), format!("{:?}", judged.verdict.as_ref().expect("verified")));
+}
+
+/// Plunges above the shroud with the tool of the passes: as none is changed between, the way to the passes
+/// leads over the blank, in one channel and in several.
+#[test]
+fn from_plunges_to_passes_with_the_same_tool_the_way_leads_over_the_blank() {
+    let mut outcome = ordered(&PUMP, EVERY_ORDER[2]);
+    let (tool, moves) = (outcome.plan.tool.clone(), outcome.plan.moves.clone());
+    // A plunge on the other side of the wheel, from where the passes begin.
+    let half = std::f64::consts::PI;
+    let (above, axis) = (rotate_z(&moves[0].tip, half), rotate_vector_z(&moves[0].axis, half));
+    let plunges = vec![(above, above - axis * 3.0, axis)];
+    let mut opening = FlankOpening { tool: tool.clone(), plunges, link: Vec::new() };
+    let safety = outcome.setup.allowances.safety_distance;
+    let near = (&outcome.workpiece.blank, safety);
+    let other = Tool { number: tool.number + 1, ..tool.clone() };
+    opening.lead_to(&moves, &other, near, &Monitor::default()).expect("not cancelled");
+    assert_eq!(opening.link, [], "a tool is changed far from the part");
+    opening.lead_to(&moves, &tool, near, &Monitor::default()).expect("not cancelled");
+    outcome.plan.opening = Some(opening.clone());
+    let one = outcome.program();
+    let way = &one.moves[2..=3 + opening.link.len()];
+    assert!(one.tools.len() == 1 && way.iter().all(|step| step.motion == Motion::Rapid));
+    assert_eq!((way.last().expect("moves").tip, way.len() >= 4), (moves[0].tip, true));
+    let clearance = min_clearance_of_rapids(&outcome, &tool, way);
+    assert!(clearance > safety - 1e-3, "{clearance}");
+    let straight = [way[0].clone(), way[way.len() - 1].clone()];
+    assert!(min_clearance_of_rapids(&outcome, &tool, &straight) < 0.0, "through the wheel");
+    // In several channels each has its own, and what is a move of the passes is known as one.
+    let FlankChannels { program, origins } = in_channels(&outcome, 2);
+    let of_passes = |index: usize| {
+        let of_one = origins[index].filter(|of_one| of_one.index >= 3 + opening.link.len())?;
+        Some((of_one.channel, of_one.index))
+    };
+    let firsts: Vec<usize> = (1..program.moves.len())
+        .filter(|&index| of_passes(index).is_some_and(|(_, first)| first == 3 + opening.link.len()))
+        .collect();
+    assert_eq!(firsts.len(), 2);
+    for first in firsts {
+        let way = &program.moves[first - opening.link.len() - 1..=first];
+        assert!(min_clearance_of_rapids(&outcome, &tool, way) > safety - 1e-3, "move {first}");
+    }
+    // And its file holds it.
+    let description = read_part(&sample("pump6.toml")).expect("readable");
+    let text = write_flank(&description, &outcome.setup, &outcome.plan, &[], 1);
+    let read = read_flank_bytes("flank.json", text.as_bytes()).expect("its own file");
+    let again = read.opening.expect("an opening");
+    assert_eq!(again.link.len(), opening.link.len());
+    for (a, b) in again.link.iter().zip(&opening.link) {
+        assert!((a.0 - b.0).norm() < 1e-5 && (a.1 - b.1).norm() < 1e-6, "{a:?} {b:?}");
+    }
 }
