@@ -9,7 +9,7 @@ use vanecut::monitor::Monitor;
 use vanecut::part::{Blank, Impeller, Workpiece};
 use vanecut::plunge::lane::Lane;
 use vanecut::plunge::row::RowMaker;
-use vanecut::plunge::{Planner, PlungePlan, SectionCache};
+use vanecut::plunge::{DropReason, Planner, PlungePlan, SectionCache};
 use vanecut::setup::{AxisPolicy, CutDirection, Machine, SectionKind, SectionSetup, Setup};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::{FaultKind, verify};
@@ -245,7 +245,6 @@ fn axes_stay_within_what_the_machine_reaches() {
     assert!(held.positions.iter().all(|p| tilt(&p.axis) <= limit + 1e-9), "none is tilted further");
     assert!(held.positions.len() * 2 > free.positions.len(), "and most of the floor is still cut");
     assert!(held.positions.iter().all(|p| !p.evaluation.contact.interferes()));
-
     let beyond = |plan: &PlungePlan, setup: &Setup| {
         let text = write_apt(&ClProgram::of_plan(&part.name, plan));
         let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("a program");
@@ -256,6 +255,16 @@ fn axes_stay_within_what_the_machine_reaches() {
     };
     assert_eq!(beyond(&held, &setup), 0);
     assert!(beyond(&free, &setup) > 0, "the plan that knows no machine is refused");
+}
+
+#[test]
+fn what_is_left_out_for_the_machine_is_not_said_to_be_in_the_way_of_blades() {
+    let machine = Machine { file: None, max_axis_tilt_rad: 20f64.to_radians() };
+    let (_, plan) =
+        planned(&sample("impeller9x9"), &Setup { machine, ..Setup::default() }, AxisPolicy::Minimal);
+    let dropped = |why| plan.dropped.iter().filter(|drop| drop.why == why).count();
+    let [machine, blades] = [DropReason::Machine, DropReason::Blades].map(dropped);
+    assert!(machine > 100 && blades == 0, "{machine} for the machine, {blades} for blades");
 }
 
 #[test]

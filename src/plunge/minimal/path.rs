@@ -272,7 +272,8 @@ impl PathSearch<'_> {
         let cleared = place.indices(stride).filter_map(|index| self.candidates.cleared(place, index));
         let cleared: Vec<RowCandidate> = cleared.collect();
         if cleared.is_empty() {
-            return DropReason::Blades.into();
+            let is_beyond = self.candidates.machine_forbids_below(f64::INFINITY, place, stride);
+            return if is_beyond { DropReason::Machine } else { DropReason::Blades }.into();
         }
         self.candidates.why_too_short(cleared.iter().map(|c| &c.station))
     }
