@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::InputError;
 use super::native::write_native;
 use super::setup_file::write_setup;
+use super::source::Source;
 use super::stored;
 use super::stored::{StoredInputs, are_coordinates, damaged};
 use crate::error::ErrorCode;
@@ -385,15 +386,10 @@ fn read_opening(name: &str, file: &OpeningFile, setup: &Setup) -> Result<FlankOp
 /// # Errors
 /// When the bytes are not a flank plan file of a supported version, or hold unusable values.
 pub fn read_flank_bytes(name: &str, bytes: &[u8]) -> Result<StoredFlank, InputError> {
-    let file: FlankFile = serde_json::from_slice(bytes).map_err(|e| {
-        InputError::new(
-            ErrorCode::PlanFile,
-            name,
-            e.line(),
-            format!("this is not a flank plan file ({e})"),
-            "give a flank.json that `vanecut flank` wrote",
-        )
-    })?;
+    let help = "give a flank.json that `vanecut flank` wrote";
+    let source = Source::new(name, ErrorCode::PlanFile);
+    let file: FlankFile =
+        serde_json::from_slice(bytes).map_err(|e| source.not_json(&e, "a flank plan file", help))?;
     stored::check_version(name, "flank plan file", file.vanecut_flank, VERSION)?;
     let StoredInputs { description, part, setup } = stored::read_inputs(name, &file.part, &file.setup)?;
     let layers = file.layers.len();

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::InputError;
 use super::native::write_native;
 use super::setup_file::write_setup;
+use super::source::Source;
 use super::stored;
 use super::stored::{ByName, Named, StoredInputs, are_coordinates, damaged};
 use crate::cutting::contact::{CoreContact, Engagement};
@@ -265,15 +266,10 @@ pub fn write_plan(
 /// # Errors
 /// When the bytes are not a plan file of a supported version, or hold unusable values.
 pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputError> {
-    let file: PlanRecord = serde_json::from_slice(bytes).map_err(|e| {
-        InputError::new(
-            ErrorCode::PlanFile,
-            name,
-            e.line(),
-            format!("this is not a plan file ({e})"),
-            "give a plan.json that `vanecut plan` wrote",
-        )
-    })?;
+    let help = "give a plan.json that `vanecut plan` wrote";
+    let source = Source::new(name, ErrorCode::PlanFile);
+    let file: PlanRecord =
+        serde_json::from_slice(bytes).map_err(|e| source.not_json(&e, "a plan file", help))?;
     stored::check_version(name, "plan file", file.vanecut_plan, VERSION)?;
     let StoredInputs { description, part, setup } = stored::read_inputs(name, &file.part, &file.setup)?;
     let mut sections = Vec::new();

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::InputError;
-use super::source::{name_of, read_bytes};
+use super::source::{Source, name_of, read_bytes};
 use super::stored::{StoredInputs, check_version, read_inputs};
 use super::tool_library::flank_cutters;
 use super::{flank_file, plan_file};
@@ -58,11 +58,10 @@ pub fn is_plan_file(path: &Path) -> bool {
 /// setup.
 pub fn read_plan_inputs(path: &Path) -> Result<PlanInputs, InputError> {
     let (name, bytes) = (name_of(path), read_bytes(path)?);
-    let file: InputsRecord = serde_json::from_slice(&bytes).map_err(|error| {
-        let what = format!("this is not a plan file ({error})");
-        let help = "give a plan.json or flank.json that `vanecut` wrote";
-        InputError::new(ErrorCode::PlanFile, &name, error.line(), what, help)
-    })?;
+    let help = "give a plan.json or flank.json that `vanecut` wrote";
+    let source = Source::new(&name, ErrorCode::PlanFile);
+    let file: InputsRecord =
+        serde_json::from_slice(&bytes).map_err(|error| source.not_json(&error, "a plan file", help))?;
     for (version, known) in
         [(file.vanecut_plan, plan_file::VERSION), (file.vanecut_flank, flank_file::VERSION)]
     {

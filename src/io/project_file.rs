@@ -12,7 +12,7 @@ use super::InputError;
 use super::setup_file::{
     SetupEntry, SetupEntryFault, TolerantSetup, beside, read_setup_tolerantly, relative, write_setup,
 };
-use super::source::{name_of, read_bytes};
+use super::source::{Source, name_of, read_bytes};
 use super::stored::{check_version, inside};
 use crate::error::ErrorCode;
 use crate::mesh::MeshOptions;
@@ -315,9 +315,9 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
     struct Version {
         vanecut_project: u32,
     }
-    let broken = |e: serde_json::Error| {
-        fault(e.line(), format!("this is not a project file ({e})"), "open a project file (.vanecut)")
-    };
+    let source = Source::new(&name, ErrorCode::PlanFile);
+    let broken =
+        |e: serde_json::Error| source.not_json(&e, "a project file", "open a project file (.vanecut)");
     let version: Version = serde_json::from_slice(bytes).map_err(broken)?;
     check_version(&name, "project", version.vanecut_project, VERSION)?;
     let file: ProjectFile = serde_json::from_slice(bytes).map_err(broken)?;
@@ -485,6 +485,8 @@ mod tests {
             let error = read_project_bytes(path, bytes.as_bytes()).expect_err("is refused").to_string();
             assert!(error.starts_with("p.vanecut") && error.contains(word), "{error}");
         }
+        let cut_off = read_project_bytes(path, &text.as_bytes()[..text.len() / 2]).expect_err("is refused");
+        assert_eq!(cut_off.code, ErrorCode::FileCutOff, "{cut_off}");
     }
 
     #[test]

@@ -54,6 +54,16 @@ impl<'a> Source<'a> {
         self.fault(line, what, TRUNCATED).with_code(ErrorCode::FileCutOff)
     }
 
+    /// The error of a JSON file that is not `what`, with its article: it may end too early.
+    pub fn not_json(&self, error: &serde_json::Error, what: &str, help: &str) -> InputError {
+        let message = format!("this is not {what} ({error})");
+        if error.is_eof() {
+            self.cut_off(error.line(), message)
+        } else {
+            self.fault(error.line(), message, help)
+        }
+    }
+
     /// Parses a finite number with |x| ≤ 1e6.
     ///
     /// # Errors
