@@ -456,7 +456,7 @@ impl LeftOut {
         DropReason::ALL.map(of).into_iter().filter(|left_out| left_out.count > 0).collect()
     }
 
-    fn text(&self, tool: u32) -> String {
+    fn text(&self, section: usize, tool: u32) -> String {
         let overhang = match (self.overhang, self.never) {
             (None, _) => String::new(),
             (Some(most), 0) => format!("; an overhang of {most} mm would do"),
@@ -464,7 +464,8 @@ impl LeftOut {
                 format!("; an overhang of {most} mm would do, except for {never} that none frees")
             }
         };
-        format!("left out with tool {tool}: {} positions {}{overhang}\n", self.count, self.why.words())
+        let Self { count, why, .. } = self;
+        format!("left out of section {section}, tool {tool}: {count} positions {}{overhang}\n", why.words())
     }
 
     fn json(&self) -> Value {
@@ -490,9 +491,8 @@ pub fn blocked_text(plan: &PlungePlan) -> String {
         if !names.is_empty() {
             text += &format!("blocked with tool {}: position {}\n", section.tool.number, names.join(", "));
         }
-        text.extend(
-            LeftOut::of_section(plan, index).iter().map(|left_out| left_out.text(section.tool.number)),
-        );
+        let left_out = LeftOut::of_section(plan, index);
+        text.extend(left_out.iter().map(|left_out| left_out.text(index + 1, section.tool.number)));
     }
     text
 }

@@ -43,6 +43,12 @@ pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Val
     map
 }
 
+/// How much of the floor a flank program cuts, and how deep, as a line of text.
+pub fn cut_text(verdict: &FlankVerdict) -> String {
+    let share = 1.0 - verdict.layer.uncut_share;
+    format!("cuts {:.1} % of the floor; deepest cut {:.1} mm\n", 100.0 * share, verdict.deepest_cut)
+}
+
 /// The text report of a flank program.
 pub fn text(verdict: &FlankVerdict) -> String {
     let channels = if verdict.channels == 1 { "channel" } else { "channels" };
@@ -56,11 +62,7 @@ pub fn text(verdict: &FlankVerdict) -> String {
         verdict.time_estimate / 60.0,
         verdict.feed_time / 60.0
     );
-    text += &format!(
-        "cuts {:.1} % of the floor; deepest cut {:.1} mm\n",
-        100.0 * (1.0 - verdict.layer.uncut_share),
-        verdict.deepest_cut
-    );
+    text += &cut_text(verdict);
     let uncovered = &verdict.uncovered;
     text += &format!(
         "floor: residual stock {:.2} mm on average, 95 % below {:.2} mm; more than allowed on {:.2} %: \
