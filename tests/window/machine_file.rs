@@ -57,7 +57,7 @@ fn a_machine_file_is_opened_from_the_list_and_undone() {
     let path = own_machine(folder.path());
     let mut window = with_sample(fake::engine().0);
     open(&mut window, &path);
-    assert_eq!(shown(&window).as_deref(), Some("Mill 5 (own.toml)"), "the name of the machine");
+    assert_eq!(shown(&window).as_deref(), Some("own.toml (Mill 5)"), "the name of the machine");
     let machine = window.state().state().document.edited.setup.machine.clone();
     assert_eq!(machine.file.as_deref(), path.to_str());
     assert!((machine.max_axis_tilt_rad.to_degrees() - 80.0).abs() < 0.01, "the planner keeps to its reach");
@@ -69,7 +69,7 @@ fn a_machine_file_is_opened_from_the_list_and_undone() {
     // It stays in the list, as others do.
     choose_in_list(&mut window, "Machine", "bc-trunnion");
     settle(&mut window);
-    choose_in_list(&mut window, "Machine", "Mill 5 (own.toml)");
+    choose_in_list(&mut window, "Machine", "own.toml (Mill 5)");
     settle(&mut window);
     assert_eq!(window.state().state().document.edited.setup.machine, machine);
 }
@@ -89,7 +89,7 @@ fn a_project_names_the_machine_file_beside_it_and_opens_with_it() {
     let mut second = window(fake::engine().0);
     second.state_mut().open_path(project.clone());
     settle(&mut second);
-    assert_eq!(shown(&second).as_deref(), Some("Mill 5 (own.toml)"));
+    assert_eq!(shown(&second).as_deref(), Some("own.toml (Mill 5)"));
     assert!(!second.state().state().document.is_unsaved());
     // A file that is gone is named at the field.
     std::fs::remove_file(&path).expect("removes");
@@ -125,7 +125,7 @@ fn faults_of_a_machine_file_stand_at_the_list_until_another_is_chosen() {
     click_enabled(&window, "Cancel");
     window.run_steps(3);
     open(&mut window, &path);
-    assert_eq!(shown(&window).as_deref(), Some("Mill 5 (own.toml)"));
+    assert_eq!(shown(&window).as_deref(), Some("own.toml (Mill 5)"));
     assert!(labels(&window, "faulty.toml:").is_empty(), "{:?}", labels(&window, "faulty"));
     assert!(window.state().state().problems.is_empty(), "{:?}", window.state().state().problems);
 }
@@ -139,7 +139,7 @@ fn programs_are_exported_and_checked_for_the_machine_file() {
     assert_eq!(window.state().state().check_machine(), path.to_str().expect("a name"), "before any export");
     ask(&mut window);
     let machine = window.get_by_role_and_label(Role::ComboBox, "NC machine");
-    assert_eq!(machine.accesskit_node().value().as_deref(), Some("Mill 5 (own.toml)"));
+    assert_eq!(machine.accesskit_node().value().as_deref(), Some("own.toml (Mill 5)"));
     let program = folder.path().join("wheel.h");
     save(&mut window, &program);
     let text = std::fs::read_to_string(&program).expect("written");

@@ -282,6 +282,10 @@ impl App {
         };
         if goes_on && is_new {
             self.file_chosen(ctx, purpose, path);
+        } else {
+            let why = if goes_on { "no finished plan" } else { "the setup was edited meanwhile" };
+            let file = path.file_name().unwrap_or_default().to_string_lossy();
+            self.state.report_refusal(format!("{file} is not written: {why}"));
         }
     }
 
@@ -292,11 +296,12 @@ impl App {
 
     /// Asks how many channels a program is for, while that is due.
     pub(in crate::app) fn ask_channels(&mut self, ui: &Ui) {
-        let is_flank = self.exported_operation() == Some(Operation::Flank);
+        let operation = self.exported_operation().unwrap_or(Operation::Roughing);
+        let is_flank = operation == Operation::Flank;
         let shown = self.state.last_whole_plan(self.state.look.side).filter(|_| !is_flank);
         let plan = shown.map(|shown| shown.planned.result(shown.policy).summary.clone());
         let order = &mut self.state.document.edited.setup.channels;
-        if let Some(channels) = self.channels_dialog.show(ui, plan.as_ref(), order) {
+        if let Some(channels) = self.channels_dialog.show(ui, operation, plan.as_ref(), order) {
             self.ask_for_cl_file(ui.ctx(), channels);
         }
     }

@@ -185,7 +185,7 @@ fn endings_of(dialect: Dialect) -> &'static [&'static str] {
     match dialect {
         Dialect::Heidenhain => &["h"],
         Dialect::Siemens => &["mpf", "spf"],
-        Dialect::Fanuc | Dialect::Haas => &["nc", "tap", "cnc"],
+        Dialect::Fanuc | Dialect::Haas => &["nc", "tap", "cnc", "ngc"],
         Dialect::LinuxCnc => &["ngc", "nc"],
     }
 }

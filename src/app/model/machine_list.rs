@@ -41,12 +41,13 @@ impl MachineList {
         missing.map(str::to_owned).into_iter().chain(known).collect()
     }
 
-    /// Label of a machine in lists: its name, followed by its file name if it is read from a machine file.
+    /// Label of a machine in lists: its name; its file name before it if it is read from a
+    /// machine file, as copies of a machine share its name.
     pub fn label_of(&self, machine: &str) -> String {
         let file = Path::new(machine).file_name();
         let file = file.map_or_else(|| machine.into(), |file| file.to_string_lossy());
         match self.own.iter().find(|own| own.file == machine).map(|own| &own.name) {
-            Some(Ok(name)) if !is_built_in(machine) => format!("{name} ({file})"),
+            Some(Ok(name)) if !is_built_in(machine) => format!("{file} ({name})"),
             _ => file.into_owned(),
         }
     }

@@ -6,6 +6,7 @@ use super::channel_order;
 use super::count_field;
 use super::modal::{is_confirmed, is_dismissed};
 use crate::app::model::figures::format_duration;
+use crate::app::model::look::Operation;
 use crate::job::Summary;
 use crate::setup::ChannelSetup;
 
@@ -27,14 +28,21 @@ impl ChannelsDialog {
         self.asked.is_some()
     }
 
-    /// Draws it; returns the number of channels once. `plan`: the plan of one channel; `order`: that of the
-    /// setup.
-    pub fn show(&mut self, ui: &Ui, plan: Option<&Summary>, order: &mut ChannelSetup) -> Option<usize> {
+    /// Draws it for the program of `operation`; returns the number of channels once. `plan`: the plan of one
+    /// channel; `order`: that of the setup.
+    pub fn show(
+        &mut self,
+        ui: &Ui,
+        operation: Operation,
+        plan: Option<&Summary>,
+        order: &mut ChannelSetup,
+    ) -> Option<usize> {
         let (chosen, count) = self.asked.as_mut()?;
         let (mut save, mut cancel) = (is_confirmed(ui.ctx()), false);
         let modal = Modal::new(egui::Id::unique("channels")).show(ui.ctx(), |ui| {
             ui.set_width(340.0);
-            ui.label(RichText::new("Export CL of several channels").strong());
+            let title = format!("Export CL of several channels: {}", operation.label());
+            ui.label(RichText::new(title).strong());
             ui.add_space(4.0);
             Grid::new("channels fields").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
                 let label = ui.label("Channels");

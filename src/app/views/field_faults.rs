@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{Context, Id, Label, Rect, RichText, Stroke, StrokeKind, Ui};
+use egui::{Context, Id, Label, Rect, Response, RichText, Stroke, StrokeKind, Ui, WidgetInfo, WidgetType};
 
 use super::theme::{self, Condition};
 use crate::app::model::field_faults::{FaultyField, FieldFault, FieldScope};
@@ -80,10 +80,12 @@ pub fn mark(ui: &mut Ui, at: Rect, text: &str, style: (Condition, f32)) {
     draw_mark(ui, at, text, style, Label::wrap);
 }
 
-/// As [`mark`], with one line below the field, so that the fields below it stay where they are looked for. A
-/// tooltip has the whole text.
-pub fn mark_in_a_line(ui: &mut Ui, at: Rect, text: &str, style: (Condition, f32)) {
-    draw_mark(ui, at, text, style, Label::truncate);
+/// As [`mark`], with one `line` below the field, so that the fields below it stay where they are looked for.
+/// Tooltip and accessible label have the whole `text`.
+pub fn mark_in_a_line(ui: &mut Ui, at: Rect, [line, text]: [&str; 2], style: (Condition, f32)) {
+    let one_line = |label: Label| label.truncate().show_tooltip_when_elided(false);
+    let label = draw_mark(ui, at, line, style, one_line).on_hover_text(text);
+    label.widget_info(|| WidgetInfo::labeled(WidgetType::Label, true, text));
 }
 
 fn draw_mark(
@@ -92,11 +94,12 @@ fn draw_mark(
     text: &str,
     (condition, width): (Condition, f32),
     fitted: fn(Label) -> Label,
-) {
+) -> Response {
     let colour = condition.text(ui.visuals());
     ui.painter().rect_stroke(at, 3.0, Stroke::new(width, colour), StrokeKind::Outside);
     ui.scope(|ui| {
         ui.set_max_width(theme::FIELD_WIDTH + 20.0);
-        ui.add(fitted(Label::new(RichText::new(text).small().color(colour))));
-    });
+        ui.add(fitted(Label::new(RichText::new(text).small().color(colour))))
+    })
+    .inner
 }

@@ -186,7 +186,10 @@ pub fn show(ui: &mut Ui, form: Id, label: &str, value: f64, at: Rect) {
         ui.data_mut(|data| data.remove::<Note>(key));
         return;
     }
-    field_faults::mark_in_a_line(ui, at, &note.text, (Condition::Blocked, 1.0));
+    // What was typed is known, the limit is asked for: it stands where there is room for a few words.
+    let limit = note.refused.and_then(|_| note.text.split_once(": ")).map(|(_, limit)| limit);
+    let line = limit.unwrap_or(&note.text);
+    field_faults::mark_in_a_line(ui, at, [line, &note.text], (Condition::Blocked, 1.0));
 }
 
 #[cfg(test)]
