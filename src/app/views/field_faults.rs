@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{Context, Id, Label, Rect, Response, RichText, Stroke, StrokeKind, Ui, WidgetInfo, WidgetType};
+use egui::{Context, Id, Label, Rect, Response, RichText, Role, Stroke, StrokeKind, Ui, WidgetInfo};
 
 use super::theme::{self, Condition};
 use crate::app::model::field_faults::{FaultyField, FieldFault, FieldScope};
@@ -85,7 +85,7 @@ pub fn mark(ui: &mut Ui, at: Rect, text: &str, style: (Condition, f32)) {
 pub fn mark_in_a_line(ui: &mut Ui, at: Rect, [line, text]: [&str; 2], style: (Condition, f32)) {
     let one_line = |label: Label| label.truncate().show_tooltip_when_elided(false);
     let label = draw_mark(ui, at, line, style, one_line).on_hover_text(text);
-    label.widget_info(|| WidgetInfo::labeled(WidgetType::Label, true, text));
+    label.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
 }
 
 fn draw_mark(
