@@ -77,9 +77,9 @@ fn stretches_that_are_skipped_are_named_in_every_verdict() {
     let row = |reason: &str| window.get_by_label(reason).rect();
     let (first, second) = (row("No axis is free there"), row("Too short"));
     assert!(first.top() < second.top(), "{first} {second}");
-    for (length, row) in [("24.0 mm", first), ("0.5 mm", second)] {
-        let mut lengths = window.query_all_by_label(length).map(|node| node.rect());
-        assert!(lengths.any(|rect| rect.y_range().intersects(row.y_range())), "{length}");
+    for (length, row) in [("2 stretches, 24.0 mm", first), ("1 stretch, 0.5 mm", second)] {
+        let below = window.get_by_label(length).rect();
+        assert!((0.0..10.0).contains(&(below.top() - row.bottom())), "{length}: {below} {row}");
     }
 }
 

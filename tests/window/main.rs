@@ -15,6 +15,7 @@ mod drop;
 mod edits;
 mod fake;
 mod flank;
+mod flank_panel;
 mod harness;
 
 mod help;

@@ -1,0 +1,73 @@
+//! What the panels of flank milling say, and that it can be read in narrow ones.
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use vanecut::flank::region::{Region, WallName};
+use vanecut::flank::{UncutLength, UncutReason};
+use vanecut::job::flank::FlankOutcome;
+
+use crate::channels::show_channels;
+use crate::fake;
+use crate::flank::{plan_flank, with_plan};
+use crate::harness::{Window, with_sample};
+
+/// Beside columns of numbers the reasons would have one of a few letters.
+#[test]
+fn reasons_of_skipped_stretches_are_read_at_the_least_size() {
+    const REASON: &str = "too short between obstacles for a pass";
+    let (engine, _) = fake::engine();
+    let flank = |outcome: &mut FlankOutcome| {
+        let (why, overhang) = (UncutReason::new(REASON), None);
+        let left = UncutLength { layer: 0, region: Region::INLET, length: 12.0, why, overhang };
+        outcome.plan.uncut = vec![left.clone(), left];
+    };
+    let mut window = with_sample(fake::with_changed_flank(engine, flank));
+    plan_flank(&mut window, 10.0);
+    for size in [[1280.0, 900.0], [800.0, 900.0], [800.0, 500.0]] {
+        window.set_size(size.into());
+        window.run_steps(6);
+        let reason = window.get_by_label("Too short between obstacles for a pass").rect();
+        let number = window.get_by_label("2 stretches, 24.0 mm").rect();
+        assert!(reason.height() < 2.5 * number.height(), "{size:?}: {reason} in two lines at most");
+        assert!(number.top() >= reason.bottom(), "{size:?}: {number} below {reason}");
+        assert!(reason.right() <= size[0] && number.right() <= size[0], "{size:?}");
+    }
+}
+
+/// Checks that no head of the table of passes and no cell of `word` is cut.
+fn is_read(window: &Window, word: &str) {
+    let heads = ["Layer", "Region", "Length", "Time"].map(|head| {
+        let found = window.query_all_by_role_and_label(Role::Label, head).map(|node| node.rect());
+        found.max_by(|a, b| a.left().total_cmp(&b.left())).expect("a head")
+    });
+    let edge = window.ctx.content_rect().right();
+    assert!(heads.windows(2).all(|pair| pair[0].right() < pair[1].left()), "{heads:?}");
+    assert!(heads.iter().all(|head| head.right() < edge - 4.0), "{heads:?} within {edge}");
+    let mut cells = window.query_all_by_label(word).map(|node| node.rect());
+    let cell = cells.next().expect("a cell");
+    assert!(heads[0].right() < cell.left() && cell.right() < heads[2].left(), "{word}: {cell} {heads:?}");
+}
+
+#[test]
+fn regions_of_passes_are_whole_words() {
+    let mut window = with_plan();
+    let rows = window.state().state().results.passes.clone();
+    let along = rows.passes.iter().position(|pass| pass.along_wall).expect("passes along the walls");
+    let word = match rows.passes[along].region.low {
+        WallName::Low => "suction wall",
+        _ => "pressure wall",
+    };
+    for size in [[1280.0, 800.0], [800.0, 800.0]] {
+        window.set_size(size.into());
+        window.state_mut().look_mut().flank.pass = Some(along);
+        window.state_mut().look_mut().flank.reveal = true;
+        window.run_steps(6);
+        is_read(&window, word);
+    }
+    window.state_mut().look_mut().flank.pass = None;
+    show_channels(&mut window, 2.0);
+    window.state_mut().look_mut().flank.pass = Some(along);
+    window.state_mut().look_mut().flank.reveal = true;
+    window.run_steps(6);
+    is_read(&window, word);
+}
