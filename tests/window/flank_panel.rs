@@ -9,7 +9,7 @@ use vanecut::job::flank::FlankOutcome;
 use crate::channels::show_channels;
 use crate::fake;
 use crate::flank::{plan_flank, with_plan};
-use crate::harness::{Window, with_sample};
+use crate::harness::{Window, labels, settle, with_sample};
 
 /// Beside columns of numbers the reasons would have one of a few letters.
 #[test]
@@ -70,4 +70,36 @@ fn regions_of_passes_are_whole_words() {
     window.state_mut().look_mut().flank.reveal = true;
     window.run_steps(6);
     is_read(&window, word);
+}
+
+/// In the verdict line, in the panel and at both ends of the scale.
+#[test]
+fn deviations_of_walls_have_the_same_decimals_everywhere() {
+    let (engine, _) = fake::engine();
+    let flank = |outcome: &mut FlankOutcome| {
+        let verdict = outcome.verdict.as_mut().expect("verified");
+        (verdict.max_overcut, verdict.max_undercut) = (0.0125, 1.2339);
+    };
+    let mut window = with_sample(fake::with_changed_flank(engine, flank));
+    window.set_size(egui::vec2(1280.0, 900.0));
+    plan_flank(&mut window, 10.0);
+    window.get_by_label("walls").click_accesskit();
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    settle(&mut window);
+    window.get_by_label("−0.0125 / +1.2339 mm");
+    window.get_by_label_contains("wall error: −0.0125 mm overcut, +1.2339 mm undercut");
+    window.get_by_label("−1.2339 mm");
+    let view = window.get_by_label("3D view").rect();
+    for k in 0..400 {
+        let share = egui::vec2((k % 20) as f32 / 20.0, (k / 20) as f32 / 20.0);
+        window.hover_at(view.min + view.size() * share);
+        window.step();
+        if let Some(here) = labels(&window, "").into_iter().find(|text| text.ends_with(" mm here")) {
+            let (_, decimals) = here.trim_end_matches(" mm here").split_once('.').expect("a fraction");
+            assert_eq!(decimals.len(), 4, "{here}");
+            return;
+        }
+    }
+    panic!("no wall under the pointer");
 }

@@ -53,8 +53,7 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
         ui.label(text).on_hover_text(format!("Stretches of passes that are not cut:{reasons}"));
     }
     let units = state.look.units;
-    let [gouge, left] = [outcome.max_overcut(), outcome.max_undercut()];
-    let walls = format!("{} / {}", units.signed(-gouge, 4), units.signed_length(left, 4));
+    let walls = units.deviations(outcome.max_overcut(), outcome.max_undercut());
     divided_figure(
         ui,
         "Wall error",
@@ -222,8 +221,8 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
             DisplayUnits::Metric => format!("{:.2} m", 1e-3 * curves.floor_length),
             DisplayUnits::Inch => format!("{:.0} in", units.of_mm(curves.floor_length)),
         },
-        units.signed_length(-outcome.max_overcut(), 4),
-        units.signed_length(outcome.max_undercut(), 4),
+        units.deviation(-outcome.max_overcut()),
+        units.deviation(outcome.max_undercut()),
         // No line breaks within it.
         format_duration(outcome.time_s()).replace(' ', "\u{a0}"),
     ));
