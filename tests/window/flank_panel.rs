@@ -1,5 +1,8 @@
 //! What the panels of flank milling say, and that it can be read in narrow ones.
 
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::flank::region::{Region, WallName};
@@ -8,7 +11,7 @@ use vanecut::job::flank::FlankOutcome;
 
 use crate::channels::show_channels;
 use crate::fake;
-use crate::flank::{plan_flank, with_plan};
+use crate::flank::{plan_flank, set_depth, with_plan};
 use crate::harness::{Window, labels, settle, with_sample};
 
 /// Beside columns of numbers the reasons would have one of a few letters.
@@ -102,4 +105,36 @@ fn deviations_of_walls_have_the_same_decimals_everywhere() {
         }
     }
     panic!("no wall under the pointer");
+}
+
+/// Only whole plans are judged: what is planned of one until it is stopped is not shown as a plan.
+#[test]
+fn a_flank_calculation_that_is_stopped_says_what_is_kept() {
+    let (engine, _) = fake::engine();
+    let (engine, held) = fake::with_held_flank(engine);
+    let mut window = with_sample(engine);
+    window.get_by_label("Flank: not calculated").click();
+    window.run_steps(4);
+    set_depth(&mut window, 10.0);
+    let stop = |window: &mut Window| {
+        window.key_press(egui::Key::F6);
+        window.run_steps(3);
+        window.key_press(egui::Key::Escape);
+        window.run_steps(3);
+        settle(window);
+        window.state().state().notice.clone().expect("a word about it").text
+    };
+    let text = stop(&mut window);
+    assert_eq!(text, "Flank calculation cancelled; an unfinished flank plan is not kept");
+    assert!(window.state().state().results.flank.is_none());
+    held.store(false, Ordering::SeqCst);
+    window.key_press(egui::Key::F6);
+    window.run_steps(3);
+    settle(&mut window);
+    let kept = window.state().state().results.flank.clone().expect("planned");
+    held.store(true, Ordering::SeqCst);
+    let text = stop(&mut window);
+    assert_eq!(text, "Flank calculation cancelled; the last flank plan is kept");
+    assert!(Arc::ptr_eq(&kept, window.state().state().results.flank.as_ref().expect("kept")));
+    held.store(false, Ordering::SeqCst);
 }

@@ -209,7 +209,7 @@ impl App {
                 }
             }
             Outcome::Cancelled | Outcome::Failed(JobError::Cancelled) => {
-                self.state.report_done("Flank calculation cancelled");
+                self.state.flank_cancelled();
             }
             Outcome::Failed(JobError::Setup(fault)) => {
                 self.report_setup_fault(Topic::Flank, &fault);
