@@ -10,9 +10,7 @@ use vanecut::io::project_file::read_project;
 
 use crate::dialogs::{name_file, press_enter};
 use crate::fake;
-use crate::harness::{
-    Window, choose_in_list, click_enabled, labels, sample_in, settle, window, with_sample, words,
-};
+use crate::harness::{Window, choose_in_list, click_enabled, labels, sample_in, settle, window, with_sample};
 use crate::nc::{ask, save};
 use crate::program::check;
 
@@ -97,7 +95,11 @@ fn a_project_names_the_machine_file_beside_it_and_opens_with_it() {
     third.state_mut().open_path(project);
     settle(&mut third);
     assert_eq!(shown(&third).as_deref(), Some("own.toml"));
-    assert!(words(&third, "own.toml: cannot be read").is_some(), "{:?}", labels(&third, "own"));
+    let named = labels(&third, "own.toml: cannot be read");
+    assert_eq!(named.len(), 2, "at the list, and below the timeline: {:?}", labels(&third, ""));
+    assert!(named.iter().all(|text| text.ends_with("; check the path")), "{named:?}");
+    // And in place of the plot of the axes.
+    third.get_by_label_contains("Rotary axes over the program: own.toml: cannot be read");
 }
 
 #[test]
