@@ -72,7 +72,7 @@ impl App {
             return;
         }
         if !self.is_recoverable(&path) {
-            self.dialogs.note_folder(&path);
+            self.dialogs.note_folder(files::place_of(&path), &path);
         }
         if files::is_study(&path) {
             self.submit_open(OpenTask::Study(path));
