@@ -35,6 +35,7 @@ mod release;
 mod review;
 mod roles;
 mod section;
+mod small;
 mod solid;
 mod stages;
 mod studies;
