@@ -208,6 +208,7 @@ impl App {
             bars,
             tabbed,
             is_outside: is_outside || is_over_window,
+            view: ui.clip_rect(),
             details_height: &mut dock.details_height,
             was_dropped: false,
             request: None,
