@@ -220,9 +220,9 @@ fn text(args: &PostArgs, request: &PostRequest, source: &PostSource, posted: &Po
     let PostedProgram { motion, written, times } = posted;
     let minutes = |s: f64| format!("{:.1}", s / 60.0);
     let mut text = format!(
-        "{}: {} blocks for {}, {} {}\n",
+        "{}: {} for {}, {} {}\n",
         args.file.display(),
-        written.blocks,
+        written.block_words(),
         machine.name,
         post.name,
         output.name()

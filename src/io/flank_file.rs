@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::InputError;
 use super::native::write_native;
-use super::setup_file::write_setup;
+use super::setup_file::write_full_setup;
 use super::source::Source;
 use super::stored;
 use super::stored::{StoredInputs, are_coordinates, damaged};
@@ -302,7 +302,7 @@ pub fn write_flank(
     let file = FlankFile {
         vanecut_flank: if channels > 1 { VERSION } else { ONE_CHANNEL_VERSION },
         part: write_native(description),
-        setup: write_setup(setup),
+        setup: write_full_setup(setup),
         scheme: plan.layout.strategy,
         channels,
         feed: plan.feeds.step_mm_per_min,

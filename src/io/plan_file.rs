@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::InputError;
 use super::native::write_native;
-use super::setup_file::write_setup;
+use super::setup_file::write_full_setup;
 use super::source::Source;
 use super::stored;
 use super::stored::{ByName, Named, StoredInputs, are_coordinates, damaged};
@@ -236,7 +236,7 @@ pub fn write_plan(
     let file = PlanRecord {
         vanecut_plan: VERSION,
         part: write_native(description),
-        setup: write_setup(setup),
+        setup: write_full_setup(setup),
         policy: plan.policy,
         channels,
         rounds: plan.iterations,

@@ -81,7 +81,7 @@ pub fn read_plan_inputs(path: &Path) -> Result<PlanInputs, InputError> {
 fn leave_out_chosen_tool(setup: &mut Setup) {
     if let [tool] = &setup.tools[..]
         && setup.flank.tool == Some(tool.number)
-        && flank_cutters().contains(tool)
+        && flank_cutters().iter().any(|own| own.with_given_rates() == *tool)
     {
         setup.tools.clear();
     }

@@ -29,8 +29,8 @@ use std::fmt::Write;
 use super::InputError;
 use super::table::{Located, NumberRange, TomlDocument, TomlTable, degrees_text, quoted};
 use crate::error::ErrorCode;
-use crate::setup::cutting_data::{CuttingData, MissingRates, usual_feed, usual_spindle};
-use crate::setup::{Tool, ToolAssembly};
+use crate::setup::cutting_data::{CuttingData, usual_feed, usual_spindle};
+use crate::setup::{MissingRates, Tool, ToolAssembly};
 
 /// Maximum length in a setup, mm.
 pub const MAX_LENGTH: f64 = 10_000.0;
@@ -89,22 +89,11 @@ pub(super) const TOOL_KEYS: [(&str, &str); 19] = [
 /// # Errors
 /// When the bytes are not TOML, a key is unknown, or a value is outside its range.
 pub fn read_tools_bytes(name: &str, bytes: &[u8]) -> Result<Vec<Tool>, InputError> {
-    Ok(read_tools_with_rates(name, bytes)?.into_iter().map(|(tool, _)| tool).collect())
-}
-
-/// As [`read_tools_bytes`], with what each tool does not say of its rates.
-///
-/// # Errors
-/// As [`read_tools_bytes`].
-pub(super) fn read_tools_with_rates(
-    name: &str,
-    bytes: &[u8],
-) -> Result<Vec<(Tool, MissingRates)>, InputError> {
     let document = TomlDocument::new(name, bytes, ErrorCode::ToolFile)?;
     let tree = document.parse()?;
     let root = document.root(&tree);
     root.check_keys(&["tool"])?;
-    tools_of(&root, None)
+    read_tool_tables(&root, None)
 }
 
 /// The `[[tool]]` tables, in file order; what they do not say of speeds and feeds is by the cutting data of
@@ -113,13 +102,6 @@ pub(super) fn read_tool_tables(
     root: &TomlTable<'_>,
     material: Option<&CuttingData>,
 ) -> Result<Vec<Tool>, InputError> {
-    Ok(tools_of(root, material)?.into_iter().map(|(tool, _)| tool).collect())
-}
-
-fn tools_of(
-    root: &TomlTable<'_>,
-    material: Option<&CuttingData>,
-) -> Result<Vec<(Tool, MissingRates)>, InputError> {
     let tables = root.tables("tool")?;
     check_count(&tables, MAX_TOOLS, "tools")?;
     let mut numbers = HashSet::with_capacity(tables.len());
@@ -151,7 +133,7 @@ fn tool(
     table: &TomlTable<'_>,
     numbers: &mut HashSet<u32>,
     material: Option<&CuttingData>,
-) -> Result<(Tool, MissingRates), InputError> {
+) -> Result<Tool, InputError> {
     table.check_keys(&TOOL_KEYS.map(|(key, _)| key))?;
     let given = table.whole("number", 1, MAX_NUMBER)?;
     let number = given.map_or(numbers.len() as u32 + 1, |n| n.value);
@@ -185,7 +167,7 @@ fn tool(
         }
     };
     let overhang = table.number_or("overhang", NumberRange::Above(0.0, 10.0 * MAX_LENGTH), 4.0 * diameter)?;
-    let assembly = assembly(table, overhang)?;
+    let mut assembly = assembly(table, overhang)?;
     let spindle = match table.number("spindle", SPINDLE)? {
         Some(given) => (given.value, false),
         None => {
@@ -202,8 +184,8 @@ fn tool(
             within(table, PLUNGE_FEED, feed, (what, "plunge_feed"))?
         }
     };
-    let missing = MissingRates { plunge_feed: feed.1, spindle: spindle.1 };
-    let tool = Tool {
+    assembly.missing_rates = MissingRates { plunge_feed: feed.1, spindle: spindle.1 };
+    Ok(Tool {
         number,
         diameter,
         corner_radius: within_radius("corner_radius", ALLOWANCE, 0.0)?,
@@ -212,8 +194,7 @@ fn tool(
         plunge_feed: feed.0,
         spindle: spindle.0,
         assembly,
-    };
-    Ok((tool, missing))
+    })
 }
 
 /// A rate that follows from others, marked as not given.
@@ -268,6 +249,7 @@ fn assembly(table: &TomlTable<'_>, overhang: f64) -> Result<ToolAssembly, InputE
         diameter_offset: table.whole("diameter_offset", 0, MAX_NUMBER)?.map(|n| n.value),
         feed_per_tooth: table.number("feed_per_tooth", FEED_PER_TOOTH)?.map(|x| x.value),
         cutting_speed: table.number("cutting_speed", CUTTING_SPEED)?.map(|x| x.value),
+        missing_rates: MissingRates::default(),
     })
 }
 
@@ -297,21 +279,34 @@ fn segments<const N: usize>(
 pub fn write_tool_library(tools: &[Tool]) -> String {
     let mut out = String::new();
     // `write!` to a `String` cannot fail.
-    let _ = write_tools(&mut out, tools);
+    let _ = write_tools(&mut out, tools, WrittenRates::Given);
     out
 }
 
+/// Which rates of tools are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum WrittenRates {
+    /// Those that are given: others follow from material and cutting data again when they are read.
+    Given,
+    /// All, for what must not change with cutting data.
+    All,
+}
+
 /// Writes `[[tool]]` tables.
-pub(super) fn write_tools(out: &mut String, tools: &[Tool]) -> std::fmt::Result {
+pub(super) fn write_tools(out: &mut String, tools: &[Tool], rates: WrittenRates) -> std::fmt::Result {
     for tool in tools {
         writeln!(out, "\n[[tool]]")?;
-        write_tool(out, tool, MissingRates::default())?;
+        write_tool(out, tool, rates)?;
     }
     Ok(())
 }
 
-/// Writes the keys of one tool, without the rates that are `missing`.
-pub(super) fn write_tool(out: &mut String, tool: &Tool, missing: MissingRates) -> std::fmt::Result {
+/// Writes the keys of one tool.
+pub(super) fn write_tool(out: &mut String, tool: &Tool, rates: WrittenRates) -> std::fmt::Result {
+    let missing = match rates {
+        WrittenRates::Given => tool.assembly.missing_rates,
+        WrittenRates::All => MissingRates::default(),
+    };
     writeln!(out, "number = {}", tool.number)?;
     writeln!(out, "diameter = {:?}", tool.diameter)?;
     writeln!(out, "corner_radius = {:?}", tool.corner_radius)?;

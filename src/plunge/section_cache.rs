@@ -31,7 +31,7 @@ impl SectionKey {
         Ok(Self {
             stock: AllowanceSetup { safety_distance: 0.0, material: None, ..setup.allowances.clone() },
             clearances: setup.clearances,
-            tool: Tool { number: 0, plunge_feed: 0.0, spindle: 0.0, ..tool.clone() },
+            tool: Tool { number: 0, plunge_feed: 0.0, spindle: 0.0, ..tool.with_given_rates() },
             section: SectionSetup { tool: 0, ..section.clone() },
             plunge: PlungeSetup {
                 axis: AxisPolicy::Conventional,

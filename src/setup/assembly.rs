@@ -43,6 +43,29 @@ pub struct ToolAssembly {
     /// Cutting speed, m/min.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cutting_speed: Option<f64>,
+    /// The rates of the tool that are not given, but follow from others.
+    #[serde(skip)]
+    pub missing_rates: MissingRates,
+}
+
+/// Rates that a tool, or the library it is from, does not say: they follow from its cutting speed and feed
+/// per tooth, else from the material.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MissingRates {
+    /// Its plunge feed is not given.
+    pub plunge_feed: bool,
+    /// Its spindle speed is not given.
+    pub spindle: bool,
+}
+
+impl MissingRates {
+    /// Neither rate is given.
+    pub const ALL: Self = Self { plunge_feed: true, spindle: true };
+
+    /// Whether all that is missing here is missing in `other`, too.
+    pub fn is_within(self, other: Self) -> bool {
+        (other.plunge_feed || !self.plunge_feed) && (other.spindle || !self.spindle)
+    }
 }
 
 /// Part of a tool above its cutter.

@@ -134,7 +134,8 @@ impl CuttingData {
         spindle_at(self.cutting_speed, diameter).round().clamp(1.0, MAX_SPINDLE)
     }
 
-    /// `tool`, whose spindle speed and feed rate are for steel, with those for this material.
+    /// `tool`, whose spindle speed and feed rate are for steel, with those for this material: they count as
+    /// given.
     pub fn scaled_from_steel(&self, tool: &Tool) -> Tool {
         let [steel, ..] = &CUTTING_DATA;
         let spindle =
@@ -143,32 +144,19 @@ impl CuttingData {
         Tool {
             spindle: spindle.round(),
             plunge_feed: (tool.plunge_feed * faster).round().max(1.0),
-            ..tool.clone()
+            ..tool.with_given_rates()
         }
     }
 }
 
-/// Rates that a tool, or the library it is from, does not say: they follow from its cutting speed and feed
-/// per tooth, else from the material.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct MissingRates {
-    /// Its plunge feed is not given.
-    pub plunge_feed: bool,
-    /// Its spindle speed is not given.
-    pub spindle: bool,
-}
-
-impl MissingRates {
-    /// `tool` with the rates that are missing as they are in a setup of this material.
-    pub fn filled(self, tool: &Tool, material: Option<&CuttingData>) -> Tool {
-        let mut tool = tool.clone();
-        if self.spindle {
-            tool.spindle = usual_spindle(tool.diameter, &tool.assembly, material);
-        }
-        if self.plunge_feed {
-            tool.plunge_feed = usual_feed(tool.diameter, &tool.assembly, tool.spindle, material);
-        }
-        tool
+/// Gives `tool` the rates that it lacks, as they are in a setup of this material.
+pub fn fill_rates(tool: &mut Tool, material: Option<&CuttingData>) {
+    let missing = tool.assembly.missing_rates;
+    if missing.spindle {
+        tool.spindle = usual_spindle(tool.diameter, &tool.assembly, material);
+    }
+    if missing.plunge_feed {
+        tool.plunge_feed = usual_feed(tool.diameter, &tool.assembly, tool.spindle, material);
     }
 }
 

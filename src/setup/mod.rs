@@ -21,7 +21,7 @@ mod plunge_settings;
 mod settings;
 pub mod tool;
 
-pub use assembly::{AssemblyPart, AssemblySegment, ClearanceSetup, ToolAssembly};
+pub use assembly::{AssemblyPart, AssemblySegment, ClearanceSetup, MissingRates, ToolAssembly};
 pub use channel_settings::{ChannelOrder, ChannelSequence, ChannelSetup};
 pub use edits::{PlungeChange, PlungeEdit, PlungeMove, PlungePose};
 pub use fault::{SetupFault, SetupPlace, check_taper, round_down, round_up};

@@ -1,6 +1,6 @@
 //! Tools.
 
-use super::assembly::{AssemblyPart, ClearanceSetup, ToolAssembly};
+use super::assembly::{AssemblyPart, ClearanceSetup, MissingRates, ToolAssembly};
 use crate::geometry::{CutterSolid, Point, Vector};
 
 /// Length of a holder that is drawn where it is only assumed, in diameters of the cutter.
@@ -92,6 +92,12 @@ impl Tool {
     /// Radius of the core, where no edge cuts: R − w, mm.
     pub fn core_radius(&self) -> f64 {
         self.radius() - self.insert_width
+    }
+
+    /// The tool with its rates as if all of them were given. Tools that differ only in that cut alike.
+    pub fn with_given_rates(&self) -> Self {
+        let assembly = ToolAssembly { missing_rates: MissingRates::default(), ..self.assembly.clone() };
+        Self { assembly, ..self.clone() }
     }
 
     /// Whether its bottom is flat but for its corners: a mill for plunging. Others end in a ball, or nearly.

@@ -10,7 +10,7 @@ use super::file::{StudyAxis, StudyFile};
 use crate::error::{ErrorCode, UserError};
 use crate::io::part_file::read_part;
 use crate::io::part_hash::PartHash;
-use crate::io::setup_file::{locate_machine, read_setup_with_defaults, write_setup};
+use crate::io::setup_file::{locate_machine, read_setup_with_defaults, write_full_setup};
 use crate::io::sha256::sha256_hex;
 use crate::io::source::read_bytes;
 use crate::io::table::Scalar;
@@ -106,7 +106,7 @@ impl RunList {
             Err(error) => (Err(error), String::new()),
             Ok(text) => match self.read_setup(&text, &part.defaults) {
                 Ok(mut setup) => {
-                    let text = write_setup(&setup);
+                    let text = write_full_setup(&setup);
                     // Planning says what is wrong with a machine file.
                     let _ = locate_machine(&mut setup, &self.file.setup_path());
                     (Ok(setup), text)

@@ -13,7 +13,6 @@ use vanecut::app::model::solid::SolidSource;
 use vanecut::app::model::units::DisplayUnits;
 use vanecut::app::model::verdict;
 use vanecut::app::tasks::engine::Engine;
-use vanecut::app::views::scale_ends::format_signed;
 use vanecut::drawing::flank::{FlankColours, wall_deviations};
 use vanecut::flank::choice::selectable;
 use vanecut::flank::region::Region;
@@ -77,9 +76,9 @@ fn stretches_that_are_skipped_are_named_in_every_verdict() {
     let row = |reason: &str| window.get_by_label(reason).rect();
     let (first, second) = (row("No axis is free there"), row("Too short"));
     assert!(first.top() < second.top(), "{first} {second}");
-    for (length, row) in [("24.0 mm", first), ("0.5 mm", second)] {
-        let mut lengths = window.query_all_by_label(length).map(|node| node.rect());
-        assert!(lengths.any(|rect| rect.y_range().intersects(row.y_range())), "{length}");
+    for (length, row) in [("2 stretches, 24.0 mm", first), ("1 stretch, 0.5 mm", second)] {
+        let below = window.get_by_label(length).rect();
+        assert!((0.0..10.0).contains(&(below.top() - row.bottom())), "{length}: {below} {row}");
     }
 }
 
@@ -209,7 +208,7 @@ fn the_scale_of_the_walls_is_that_of_what_the_program_leaves() {
     let outcome = window.state().state().results.flank.clone().expect("planned");
     let verdict = outcome.verdict.as_ref().expect("verified");
     let most = verdict.max_overcut.max(verdict.max_undercut).max(0.02) as f32;
-    window.get_by_label(&format_signed(-most, most, DisplayUnits::Metric));
+    window.get_by_label(&DisplayUnits::Metric.deviation((-most).into()));
     assert_eq!(window.state().state().shown_deviation(), Some(most));
     let (mesh, largest) = wall_deviations(&outcome.workpiece.part, &outcome.shown_walls());
     assert!(largest <= most + 1e-6, "the colours, too: {largest} of {most}");
@@ -231,7 +230,7 @@ fn the_scale_of_the_walls_is_edited_and_stays_until_it_is_fitted() {
     window.get_by_role_and_label(Role::SpinButton, "Scale maximum").set_value_accesskit(2.0);
     window.run_steps(4);
     assert_eq!(shown(&window), 2.0);
-    window.get_by_label(&format_signed(-2.0, 2.0, DisplayUnits::Metric));
+    window.get_by_label(&DisplayUnits::Metric.deviation(-2.0));
     assert!(pixels_in(&mut window, view) != before, "the walls have other colours");
     set_depth(&mut window, 8.0);
     assert_eq!(shown(&window), 2.0, "another plan keeps it");
@@ -275,7 +274,7 @@ fn flank_curves_are_planned_shown_and_written() {
     window.run_steps(4);
     let most = window.state().state().shown_deviation().expect("walls are shown");
     window.get_by_label("Residual on walls");
-    window.get_by_label(&format_signed(-most, most, DisplayUnits::Metric));
+    window.get_by_label(&DisplayUnits::Metric.deviation((-most).into()));
     snapshot_view(&mut window, "flank_walls");
     // The value under the cursor has a sign: above or below the allowance.
     let view = window.get_by_label("3D view").rect();

@@ -202,8 +202,9 @@ fn a_machine_that_cannot_run_the_plan_says_why() {
     assert_eq!(on_machine(&window).fault, None);
     let folder = tempfile::tempdir().unwrap();
     open_narrow_machine(&mut window, folder.path());
-    let fault = words(&window, "A would have to be").expect("the fault is shown");
-    assert!(fault.starts_with("AC trunnion: "), "{fault}");
+    let faults = labels(&window, "AC trunnion: A would have to be");
+    assert_eq!(faults.len(), 1, "below the timeline: {:?}", labels(&window, "AC"));
+    window.get_by_label_contains("Rotary axes over the program: AC trunnion: A would have to be");
     assert!(on_machine(&window).ends.is_empty());
     // Its post is not asked for an APT file.
     let (ctx, path) = (window.ctx.clone(), folder.path().join("p.apt"));

@@ -11,7 +11,8 @@ use vanecut::io::project_file::read_project;
 use crate::dialogs::{name_file, press_enter};
 use crate::fake;
 use crate::harness::{
-    Window, choose_in_list, click_enabled, labels, sample_in, settle, window, with_sample, words,
+    Window, choose_in_file_menu, choose_in_list, click_enabled, labels, sample_in, settle, window,
+    with_sample,
 };
 use crate::nc::{ask, save};
 use crate::program::check;
@@ -97,7 +98,41 @@ fn a_project_names_the_machine_file_beside_it_and_opens_with_it() {
     third.state_mut().open_path(project);
     settle(&mut third);
     assert_eq!(shown(&third).as_deref(), Some("own.toml"));
-    assert!(words(&third, "own.toml: cannot be read").is_some(), "{:?}", labels(&third, "own"));
+    let named = labels(&third, "own.toml: cannot be read");
+    assert_eq!(named.len(), 2, "at the list, and below the timeline: {:?}", labels(&third, ""));
+    assert!(named.iter().all(|text| text.ends_with("; check the path")), "{named:?}");
+    // And in place of the plot of the axes.
+    third.get_by_label_contains("Rotary axes over the program: own.toml: cannot be read");
+}
+
+/// Files of the shop lie elsewhere than those of the part.
+#[test]
+fn a_setup_is_not_saved_beside_the_machine_file() {
+    let [shop, own] = [tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder")];
+    let path = own_machine(shop.path());
+    let mut window = with_sample(fake::engine().0);
+    open(&mut window, &path);
+    let shows = |window: &Window, folder: &Path| {
+        // Of a long path the end is shown.
+        let name = folder.file_name().expect("a name").to_string_lossy();
+        !labels(window, "").iter().all(|text| !text.ends_with(&*name))
+    };
+    let ask_to_save = |window: &mut Window| {
+        choose_in_file_menu(window, "Save setup…");
+        settle(window);
+    };
+    ask_to_save(&mut window);
+    assert!(!shows(&window, shop.path()), "{:?}", labels(&window, "/"));
+    name_file(&mut window, &own.path().join("s.toml"));
+    press_enter(&mut window);
+    open(&mut window, &path);
+    ask_to_save(&mut window);
+    assert!(shows(&window, own.path()), "that of the last setup: {:?}", labels(&window, ""));
+    click_enabled(&window, "Cancel");
+    window.run_steps(3);
+    choose_in_list(&mut window, "Machine", "Open machine file…");
+    settle(&mut window);
+    assert!(shows(&window, shop.path()), "machines are found where the last one was");
 }
 
 #[test]

@@ -15,6 +15,7 @@ mod drop;
 mod edits;
 mod fake;
 mod flank;
+mod flank_panel;
 mod harness;
 
 mod help;
@@ -34,6 +35,7 @@ mod release;
 mod review;
 mod roles;
 mod section;
+mod small;
 mod solid;
 mod stages;
 mod studies;

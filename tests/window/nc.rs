@@ -130,7 +130,11 @@ fn a_plan_is_exported_for_the_machine_of_the_setup() {
     let wanted = posted(&window, &program, "bc-trunnion", "siemens", OutputKind::TcpAngles);
     assert_eq!(text, wanted, "what the command line writes");
     let notice = &state.notice.as_ref().expect("a message").text;
-    assert!(notice.contains("blocks for bc-trunnion"), "{notice}");
+    let is_comment = |line: &&str| line.starts_with(['(', ';', '*', '%']);
+    let blocks = text.lines().filter(|line| !is_comment(line)).count();
+    assert!(blocks < text.lines().count(), "the program has comments");
+    let counted = format!(": {blocks} blocks without comments for bc-trunnion");
+    assert!(notice.contains(&counted), "{notice}");
     let page = sheet(&mut window, folder.path());
     assert!(
         page.contains(

@@ -3,7 +3,8 @@
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
-use vanecut::setup::Tool;
+use vanecut::io::setup_file::read_setup;
+use vanecut::setup::{Setup, Tool};
 
 use crate::fake;
 use crate::harness::{Window, choose_in_file_menu, click_enabled, press, settle, with_sample};
@@ -30,10 +31,15 @@ fn with_tool_form() -> Window {
     window.get_by_role_and_label(Role::Button, "Edit tools and sections").click();
     window.run_steps(3);
     settle(&mut window);
-    let header = window.get_all_by_label_contains("T1  Ø30").next().expect("a header").rect();
-    press(&mut window, header.center());
-    window.run_steps(10);
+    open_tool_form(&mut window);
     window
+}
+
+/// Opens the form of tool 1 of the setup.
+fn open_tool_form(window: &mut Window) {
+    let header = window.get_all_by_label_contains("T1  Ø30").next().expect("a header").rect();
+    press(window, header.center());
+    window.run_steps(10);
 }
 
 fn tool(window: &Window) -> Tool {
@@ -175,6 +181,50 @@ fn speeds_that_nobody_entered_follow_the_material_and_others_are_named() {
     window.run_steps(3);
     assert_eq!(window.query_all_by_label_contains(note).count(), 2, "it is asked about, too");
     assert!(!path.exists());
+}
+
+/// A rate that follows from others says so, and is not written as if it were given.
+#[test]
+fn rates_that_are_not_given_are_shown_as_such_and_stay_out_of_the_saved_setup() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, saved) = (folder.path().join("s.toml"), folder.path().join("saved.toml"));
+    let sections = "[[plunge.section]]\ntool = 1\nfrom = 1.0\nto = 0.0\n";
+    let text = format!("[stock]\nmaterial = \"titanium\"\n[[tool]]\ndiameter = 30.0\n{sections}");
+    std::fs::write(&path, text).expect("writes");
+    let mut window = with_sample(fake::engine().0);
+    window.set_size(egui::vec2(1100.0, 2600.0));
+    window.state_mut().open_path(path);
+    settle(&mut window);
+    open_tool_form(&mut window);
+    let shown = |window: &Window, label: &str| {
+        window.get_by_role_and_label(Role::SpinButton, label).value().expect("a text")
+    };
+    assert_eq!(shown(&window, "Feed rate"), "auto 68 mm/min");
+    assert_eq!(shown(&window, "Spindle speed"), "auto 424 rev/min");
+    let save = |window: &mut Window| {
+        let ctx = window.ctx.clone();
+        window.state_mut().file_chosen(&ctx, Purpose::SaveSetup, saved.clone());
+        settle(window);
+        std::fs::read_to_string(&saved).expect("saved")
+    };
+    let text = save(&mut window);
+    assert!(!text.contains("plunge_feed") && !text.contains("spindle"), "{text}");
+    assert_eq!(
+        read_setup(&saved, &Setup::default()).expect("opens").tools,
+        [tool(&window)],
+        "it plans the same"
+    );
+    // What they follow from leads to others.
+    type_into(&mut window, ("Diameter", 0), "15");
+    assert_eq!(shown(&window, "Spindle speed"), "auto 849 rev/min");
+    // One that is entered is given, until it is cleared.
+    type_into(&mut window, ("Spindle speed", 0), "600");
+    assert_eq!((shown(&window, "Spindle speed"), tool(&window).spindle), ("600 rev/min".to_owned(), 600.0));
+    let text = save(&mut window);
+    assert!(text.contains("spindle = 600.0") && !text.contains("plunge_feed"), "{text}");
+    type_into(&mut window, ("Spindle speed", 0), "auto");
+    assert_eq!(shown(&window, "Spindle speed"), "auto 849 rev/min");
+    assert!(!save(&mut window).contains("spindle"));
 }
 
 #[test]

@@ -6,7 +6,6 @@ use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
 use vanecut::app::model::units::DisplayUnits;
 use vanecut::app::tasks::engine::Engine;
-use vanecut::app::views::scale_ends::format_signed;
 use vanecut::io::project_file::read_project;
 use vanecut::job::PlanOutcome;
 
@@ -209,7 +208,7 @@ fn the_cells_of_the_table_do_not_touch_in_inches() {
 /// A deviation that is rounded away is on neither side.
 #[test]
 fn what_is_shown_as_zero_has_no_sign() {
-    let text = |value| format_signed(value, 0.02, DisplayUnits::Inch);
+    let text = |value| DisplayUnits::Inch.deviation(value);
     assert_eq!(text(-0.000_01), "0.00000 in");
     assert_eq!(text(0.0), "0.00000 in");
     assert_eq!(text(-0.01), "−0.00039 in");

@@ -72,7 +72,7 @@ impl App {
             return;
         }
         if !self.is_recoverable(&path) {
-            self.dialogs.note_folder(&path);
+            self.dialogs.note_folder(files::place_of(&path), &path);
         }
         if files::is_study(&path) {
             self.submit_open(OpenTask::Study(path));
@@ -209,7 +209,7 @@ impl App {
                 }
             }
             Outcome::Cancelled | Outcome::Failed(JobError::Cancelled) => {
-                self.state.report_done("Flank calculation cancelled");
+                self.state.flank_cancelled();
             }
             Outcome::Failed(JobError::Setup(fault)) => {
                 self.report_setup_fault(Topic::Flank, &fault);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::app::App;
 use crate::app::model::checked::{CheckRequest, CheckedProgram};
+use crate::app::model::file_purpose::FilePlace;
 use crate::app::model::look::Operation;
 use crate::app::model::problem::{Problem, Topic};
 use crate::app::tasks::check::CheckError;
@@ -14,7 +15,7 @@ use crate::job::worker::Outcome;
 impl App {
     /// Checks a program against the open part.
     pub(in crate::app) fn check_program(&mut self, path: PathBuf) {
-        self.dialogs.note_folder(&path);
+        self.dialogs.note_folder(FilePlace::Work, &path);
         match self.state.check_request_of(path) {
             Some(request) => {
                 self.state.look.operation = Operation::Program;

@@ -6,6 +6,7 @@ use egui::Context;
 
 use crate::app::App;
 use crate::app::control::unsaved::Pending;
+use crate::app::model::file_purpose::FilePlace;
 use crate::app::model::part_source::PartSource;
 use crate::app::model::problem::Problem;
 use crate::app::tasks::files;
@@ -66,7 +67,7 @@ impl App {
         match (&others[..], &setups[..]) {
             ([part], []) => self.open_guarded(ctx, (*part).clone()),
             ([part], [setup]) if is_part(part) && files::check_openable(part).is_ok() => {
-                self.dialogs.note_folder(part);
+                self.dialogs.note_folder(FilePlace::Part, part);
                 let source = PartSource::File((*part).clone());
                 self.run_guarded(ctx, Pending::OpenPart(source, Some((*setup).clone())));
             }

@@ -8,6 +8,7 @@ use egui::{Context, Ui};
 
 use super::unsaved::Pending;
 use crate::app::App;
+use crate::app::model::file_purpose::FilePlace;
 use crate::app::model::problem::Problem;
 use crate::app::model::shop_library::ShopLibrary;
 use crate::app::model::state::RecoveryCopy;
@@ -64,7 +65,7 @@ impl App {
         // It is saved beside the project, or else the part, and not among the copies.
         let part = self.state.document.part.as_ref().and_then(|part| part.source.file());
         if let Some(beside) = original.or_else(|| part.map(|(file, _)| file.to_owned())) {
-            self.dialogs.note_folder(&beside);
+            self.dialogs.note_folder(FilePlace::Part, &beside);
         }
         self.state
             .report_done("Recovered unsaved changes of the last session; save the project to keep them");

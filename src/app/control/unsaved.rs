@@ -7,7 +7,7 @@ use std::sync::Arc;
 use egui::{Context, Ui};
 
 use crate::app::App;
-use crate::app::model::file_purpose::Purpose;
+use crate::app::model::file_purpose::{FilePlace, Purpose};
 use crate::app::model::library_state::LibraryState;
 use crate::app::model::part_source::PartSource;
 use crate::app::tasks::open_task::OpenTask;
@@ -128,7 +128,7 @@ impl App {
         self.session.after_library = None;
         let path = self.library.library().and_then(|library| library.path.clone());
         if let Some(path) = &path {
-            self.dialogs.note_folder(path);
+            self.dialogs.note_folder(FilePlace::Shop, path);
         }
         let stem = path.as_ref().and_then(|path| path.file_stem()).unwrap_or("tools".as_ref());
         let name = format!("{}.toml", stem.to_string_lossy());

@@ -82,7 +82,40 @@ pub enum Purpose {
     SavePicture,
 }
 
+/// Where files of a kind lie, for the folder in which a dialog starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FilePlace {
+    /// With a part or its project.
+    Part,
+    /// With the setups.
+    Setups,
+    /// With the machines, tools and posts of the shop.
+    Shop,
+    /// Anywhere else.
+    Work,
+}
+
 impl Purpose {
+    /// Where its files lie.
+    pub fn place(self) -> FilePlace {
+        match self {
+            Self::OpenPart | Self::LocatePart | Self::OpenProject | Self::SaveProject => FilePlace::Part,
+            Self::OpenSetup | Self::SaveSetup => FilePlace::Setups,
+            Self::OpenMachine | Self::OpenLibrary | Self::SaveLibrary | Self::OpenPost => FilePlace::Shop,
+            Self::OpenBlank
+            | Self::OpenStudy
+            | Self::ExportCl { .. }
+            | Self::ExportFlank { .. }
+            | Self::ExportNc { .. }
+            | Self::ExportSheet { .. }
+            | Self::SaveAssessment
+            | Self::ExportScene { .. }
+            | Self::ExportStock { .. }
+            | Self::CheckProgram
+            | Self::SavePicture => FilePlace::Work,
+        }
+    }
+
     /// Title of the dialog.
     pub fn title(self) -> &'static str {
         match self {

@@ -59,8 +59,7 @@ mod tests {
     #[test]
     fn states_share_their_tools_and_a_taken_back_edit_is_none() {
         let tool = crate::io::tool_library::plunge_cutters()[0].clone();
-        let entry =
-            crate::io::shop_tools::LibraryTool { tool, missing: Default::default(), notes: Vec::new() };
+        let entry = crate::io::shop_tools::LibraryTool { tool, notes: Vec::new() };
         let tools = std::iter::repeat_with(|| Arc::new(entry.clone())).take(3).collect();
         let first = LibraryState::from(ToolLibrary { tools, notes: Vec::new() });
         let mut second = first.clone();

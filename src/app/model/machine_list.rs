@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use super::problem::without_markdown;
 use crate::io::InputError;
 use crate::io::machine_file::{built_in_names, is_built_in};
 
@@ -66,6 +67,11 @@ pub fn with_file_name(error: &InputError) -> String {
         "" => error.message.clone(),
         place => format!("{place}: {}", error.message),
     }
+}
+
+/// What is wrong with a machine file, and what to do, in plain text.
+pub fn fault_words(error: &InputError) -> (String, String) {
+    (without_markdown(&with_file_name(error)), without_markdown(&error.help))
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 //! What an edit of a setup changes in all of its tools: the material their rates, a new number what names it.
 
 use crate::io::tool_library::{flank_cutters, plunge_cutters};
-use crate::setup::cutting_data::{CuttingData, MissingRates, cutting_speed_at};
-use crate::setup::{AllowanceSetup, PlungeChange, Setup, Tool};
+use crate::setup::cutting_data::{CuttingData, cutting_speed_at, fill_rates};
+use crate::setup::{AllowanceSetup, MissingRates, PlungeChange, Setup, Tool};
 
 /// Gives the tools of a setup, whose material was `before`, the rates for its material now. Only rates that
-/// nobody entered follow: those of the built-in library, and those that followed from cutting data.
+/// nobody entered follow: those of the built-in library, those that are missing, and those that followed from
+/// cutting data, as files of former versions have them.
 pub fn follow_material(setup: &mut Setup, before: Option<&str>) {
     let was = before.and_then(CuttingData::of_name);
     let is = setup.allowances.cutting_data();
@@ -14,26 +15,45 @@ pub fn follow_material(setup: &mut Setup, before: Option<&str>) {
     }
     for tool in &mut setup.tools {
         let built_in = plunge_cutters().iter().chain(flank_cutters());
-        let mut same = built_in.filter(|own| own.diameter == tool.diameter);
+        let mut same = built_in.filter(|own| {
+            let missing = |tool: &Tool| tool.assembly.missing_rates;
+            own.diameter == tool.diameter && missing(tool).is_within(missing(own))
+        });
         let rated = |own: &Tool, data: Option<&CuttingData>| {
             data.map_or_else(|| own.clone(), |data| data.scaled_from_steel(own))
         };
         let rates = |tool: &Tool| (tool.spindle, tool.plunge_feed);
-        *tool = match same.find(|own| rates(&rated(own, was)) == rates(tool)) {
+        let same = same.find(|own| rates(&rated(own, was)) == rates(tool));
+        match same {
             Some(own) => {
-                let (spindle, plunge_feed) = rates(&rated(own, is));
-                Tool { spindle, plunge_feed, ..tool.clone() }
+                let rated = rated(own, is);
+                (tool.spindle, tool.plunge_feed) = rates(&rated);
+                tool.assembly.missing_rates = rated.assembly.missing_rates;
             }
+            None if tool.assembly.missing_rates != MissingRates::default() => fill_rates(tool, is),
             None => {
-                let feed = MissingRates { plunge_feed: true, spindle: false };
-                let plunge_feed = feed.filled(tool, was).plunge_feed == tool.plunge_feed;
-                // Another speed alone would change the feed per tooth.
-                let all = MissingRates { plunge_feed: true, spindle: true };
-                let spindle = plunge_feed && all.filled(tool, was).spindle == tool.spindle;
-                MissingRates { plunge_feed, spindle }.filled(tool, is)
+                let missing = followed_rates(tool, was);
+                *tool = with_rates(tool, missing, is);
             }
-        };
+        }
     }
+}
+
+/// The rates of a tool that are those of cutting data for the material `was`.
+fn followed_rates(tool: &Tool, was: Option<&CuttingData>) -> MissingRates {
+    let feed = MissingRates { plunge_feed: true, spindle: false };
+    let plunge_feed = with_rates(tool, feed, was).plunge_feed == tool.plunge_feed;
+    // Another speed alone would change the feed per tooth.
+    let spindle = plunge_feed && with_rates(tool, MissingRates::ALL, was).spindle == tool.spindle;
+    MissingRates { plunge_feed, spindle }
+}
+
+/// `tool`, whose rates are all given, with those for a material in place of those that are `missing`.
+fn with_rates(tool: &Tool, missing: MissingRates, material: Option<&CuttingData>) -> Tool {
+    let mut filled = tool.clone();
+    filled.assembly.missing_rates = missing;
+    fill_rates(&mut filled, material);
+    filled.with_given_rates()
 }
 
 /// A tool that turns faster than the cutting speed for its material by more than this factor is named.
@@ -98,7 +118,7 @@ mod tests {
     fn rates_that_nobody_entered_follow_the_material_and_others_stay() {
         let own = plunge_cutters().iter().find(|tool| tool.number == 64).expect("a tool").clone();
         let entered = Tool { number: 2, spindle: own.spindle + 30.0, ..own.clone() };
-        let blank = MissingRates { plunge_feed: true, spindle: true }.filled(&entered, None);
+        let blank = with_rates(&entered, MissingRates::ALL, None);
         let named = Tool { number: 64, ..own.clone() };
         let mut setup =
             Setup { tools: vec![named, entered.clone(), Tool { number: 3, ..blank }], ..Setup::default() };
@@ -114,6 +134,15 @@ mod tests {
         assert!(note.starts_with("Much faster than the 40 m/min for titanium: T2 11"), "{note}");
         choose(&mut setup, None);
         assert_eq!(setup.tools, first);
+        // Rates that are not given follow, whatever they are, and stay those that are not given.
+        let mut missing = entered.clone();
+        missing.assembly.missing_rates.spindle = true;
+        setup.tools = vec![missing];
+        choose(&mut setup, Some("titanium"));
+        let tool = &setup.tools[0];
+        assert_eq!((tool.spindle, tool.plunge_feed), (data.spindle_for(own.diameter), entered.plunge_feed));
+        assert!(tool.assembly.missing_rates.spindle && !tool.assembly.missing_rates.plunge_feed);
+        choose(&mut setup, None);
         assert_eq!(too_fast(&setup.allowances, &setup.tools), None);
     }
 

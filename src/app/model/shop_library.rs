@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::io::shop_tools::{LibraryTool, ToolLibrary};
 use crate::io::tool_library::{flank_cutters, plunge_cutters};
-use crate::setup::cutting_data::MissingRates;
+use crate::setup::cutting_data::fill_rates;
 use crate::setup::{Setup, Tool};
 
 use super::history::History;
@@ -90,8 +90,7 @@ struct SearchKey {
 impl Default for ShopLibrary {
     fn default() -> Self {
         let own = plunge_cutters().iter().chain(flank_cutters());
-        let missing = MissingRates::default();
-        let entry = |tool: &Tool| Arc::new(LibraryTool { tool: tool.clone(), missing, notes: Vec::new() });
+        let entry = |tool: &Tool| Arc::new(LibraryTool { tool: tool.clone(), notes: Vec::new() });
         Self::new(None, ToolLibrary { tools: own.map(entry).collect(), notes: Vec::new() })
     }
 }
@@ -242,7 +241,8 @@ impl ShopLibrary {
     /// library has. Returns its number.
     pub fn take_into(&self, setup: &mut Setup) -> Option<u32> {
         let entry = self.content.tools.get(self.selected?)?;
-        let mut tool = entry.missing.filled(&entry.tool, setup.allowances.cutting_data());
+        let mut tool = entry.tool.clone();
+        fill_rates(&mut tool, setup.allowances.cutting_data());
         let taken = |number: u32| setup.tools.iter().any(|known| known.number == number);
         if tool.number == 0 || taken(tool.number) {
             let own: HashSet<u32> = self.content.tools.iter().map(|entry| entry.tool.number).collect();
@@ -270,6 +270,7 @@ pub fn describe(tool: &Tool, units: DisplayUnits) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::setup::MissingRates;
 
     #[test]
     fn search_and_filters_leave_what_fits_and_a_taken_tool_gets_a_free_number() {
@@ -311,8 +312,9 @@ mod tests {
     #[test]
     fn a_tool_without_rates_is_taken_with_those_of_the_material() {
         let mut library = ShopLibrary::default();
-        let missing = MissingRates { plunge_feed: true, spindle: true };
-        library.edit(|library| Arc::make_mut(&mut library.tools[0]).missing = missing);
+        library.edit(|library| {
+            Arc::make_mut(&mut library.tools[0]).tool.assembly.missing_rates = MissingRates::ALL;
+        });
         library.selected = Some(0);
         let mut setup = Setup::default();
         setup.allowances.material = Some("titanium".to_owned());
@@ -331,14 +333,15 @@ mod tests {
         let noted = ["insert width assumed: the cutter cuts to its centre", "another remark", rates];
         library.edit(|library| {
             let entry = Arc::make_mut(&mut library.tools[0]);
-            entry.missing.plunge_feed = true;
+            entry.tool.assembly.missing_rates.plunge_feed = true;
             entry.notes = noted.map(str::to_owned).to_vec();
         });
         let tool = library.content().tools[0].tool.clone();
         let notes = |library: &ShopLibrary| library.content().tools[0].notes.clone();
         library.replace(0, Tool { spindle: 4000.0, ..tool.clone() });
         assert_eq!(notes(&library), noted);
-        library.replace(0, Tool { insert_width: 0.4 * tool.diameter, plunge_feed: 200.0, ..tool });
+        let given = Tool { plunge_feed: 200.0, ..tool.with_given_rates() };
+        library.replace(0, Tool { insert_width: 0.4 * tool.diameter, ..given });
         assert_eq!(notes(&library), ["another remark"]);
     }
 

@@ -23,6 +23,9 @@ pub fn decimals_beside(allowance: f64) -> usize {
     if (hundredths - hundredths.round()).abs() < 1e-6 { 2 } else { 3 }
 }
 
+/// Decimals of deviations of walls, mm.
+const DEVIATION_DECIMALS: usize = 4;
+
 impl DisplayUnits {
     /// Unit of lengths.
     pub fn length_unit(self) -> &'static str {
@@ -100,6 +103,17 @@ impl DisplayUnits {
     /// As [`Self::signed`], with its unit.
     pub fn signed_length(self, mm: f64, decimals: usize) -> String {
         format!("{} {}", self.signed(mm, decimals), self.length_unit())
+    }
+
+    /// Stock on a wall above its allowance, overcut where it is negative, with its unit. It has the same
+    /// decimals everywhere, those of the command line.
+    pub fn deviation(self, mm: f64) -> String {
+        self.signed_length(mm, DEVIATION_DECIMALS)
+    }
+
+    /// Overcut and undercut of walls with one unit.
+    pub fn deviations(self, overcut: f64, undercut: f64) -> String {
+        format!("{} / {}", self.signed(-overcut, DEVIATION_DECIMALS), self.deviation(undercut))
     }
 
     /// Two lengths with one unit, "a to b".

@@ -21,7 +21,12 @@ pub fn count_faults(count: usize) -> String {
 
 /// Number of stretches of passes that are not cut, in words.
 pub fn count_skipped_stretches(count: usize) -> String {
-    format!("{} skipped", counted(count, "stretch", "stretches"))
+    format!("{} skipped", count_stretches(count))
+}
+
+/// Number of stretches of flank passes, in words.
+pub fn count_stretches(count: usize) -> String {
+    counted(count, "stretch", "stretches")
 }
 
 /// Number of faulty values of the setup in the file, in whose place defaults stand, in words.

@@ -28,7 +28,7 @@ use crate::verify::Fault;
 
 use crate::app::model::document::Edited;
 use crate::app::model::exported::ProgramPlan;
-use crate::app::model::file_purpose::{PROGRAM_ENDINGS, Purpose};
+use crate::app::model::file_purpose::{FilePlace, PROGRAM_ENDINGS, Purpose};
 use crate::app::model::library_state::LibraryState;
 use crate::app::model::part_source::{PartSource, Sample};
 use crate::app::model::planned::DisplayPlan;
@@ -137,6 +137,17 @@ pub fn is_study(path: &Path) -> bool {
 /// Whether a file is a project.
 pub fn is_project(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
+}
+
+/// Where a file lies that is opened, by its kind.
+pub fn place_of(path: &Path) -> FilePlace {
+    if is_study(path) || is_program(path) {
+        FilePlace::Work
+    } else if is_setup(path) {
+        FilePlace::Setups
+    } else {
+        FilePlace::Part
+    }
 }
 
 /// Whether opening a file closes the project: all but setups, programs and results of studies do.

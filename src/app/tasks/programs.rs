@@ -259,11 +259,10 @@ pub(super) fn nc_text(
     monitor: &Monitor,
 ) -> Result<(String, String), UnwrittenProgram> {
     let (posted, faults) = post(path, content, monitor)?;
-    let (blocks, time) = (posted.written.blocks, format_duration(posted.time_s()));
+    let (blocks, time) = (posted.written.block_words(), format_duration(posted.time_s()));
     let calls = content.calls().and_then(ChannelCalls::words);
     let calls = calls.map_or_else(String::new, |words| format!("; {words}"));
-    let about =
-        format!(": {blocks} blocks for {}, {time}{calls}{faults}", short_name(&content.target.machine));
+    let about = format!(": {blocks} for {}, {time}{calls}{faults}", short_name(&content.target.machine));
     Ok((posted.written.text, about))
 }
 

@@ -4,7 +4,7 @@ use egui::{Grid, Modal, RichText, Ui};
 
 use super::channel_order;
 use super::count_field;
-use super::modal::{is_confirmed, is_dismissed};
+use super::modal::{self, is_confirmed, is_dismissed};
 use crate::app::model::figures::format_duration;
 use crate::app::model::look::Operation;
 use crate::job::Summary;
@@ -40,25 +40,26 @@ impl ChannelsDialog {
         let (chosen, count) = self.asked.as_mut()?;
         let (mut save, mut cancel) = (is_confirmed(ui.ctx()), false);
         let modal = Modal::new(egui::Id::unique("channels")).show(ui.ctx(), |ui| {
-            ui.set_width(340.0);
-            let title = format!("Export CL of several channels: {}", operation.label());
-            ui.label(RichText::new(title).strong());
-            ui.add_space(4.0);
-            Grid::new("channels fields").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
-                let label = ui.label("Channels");
-                count_field::channels(ui, chosen, *count, label.id);
-                ui.end_row();
-                channel_order::rows(ui, order);
-            });
-            if let Some(plan) = plan {
-                let whole = format_duration(plan.time_of_channels_s(*chosen, *count));
-                let changes = if plan.machine_time.is_some() { "with" } else { "without" };
-                ui.label(RichText::new(format!("Time {whole}, {changes} tool changes")).weak());
-            }
-            ui.add_space(8.0);
-            ui.horizontal(|ui| {
-                save |= ui.button("Save as…").clicked();
-                cancel = ui.button("Cancel").clicked();
+            modal::fitting(ui, 340.0, |ui| {
+                let title = format!("Export CL of several channels: {}", operation.label());
+                ui.label(RichText::new(title).strong());
+                ui.add_space(4.0);
+                Grid::new("channels fields").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
+                    let label = ui.label("Channels");
+                    count_field::channels(ui, chosen, *count, label.id);
+                    ui.end_row();
+                    channel_order::rows(ui, order);
+                });
+                if let Some(plan) = plan {
+                    let whole = format_duration(plan.time_of_channels_s(*chosen, *count));
+                    let changes = if plan.machine_time.is_some() { "with" } else { "without" };
+                    ui.label(RichText::new(format!("Time {whole}, {changes} tool changes")).weak());
+                }
+                ui.add_space(8.0);
+                ui.horizontal(|ui| {
+                    save |= ui.button("Save as…").clicked();
+                    cancel = ui.button("Cancel").clicked();
+                });
             });
         });
         let chosen = *chosen;

@@ -17,7 +17,7 @@ use crate::app::model::state::AppState;
 use crate::app::tasks::solid::SolidPicture;
 use crate::app::views::overlay::floating;
 use crate::app::views::panels::flank;
-use crate::app::views::scale_ends::{FIELD_MARGIN, MARGIN, fit_width, format_signed, hub_ends, wall_ends};
+use crate::app::views::scale_ends::{FIELD_MARGIN, MARGIN, fit_width, hub_ends, wall_ends};
 use crate::app::views::swatch::{colour_bar, swatch};
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::units;
@@ -318,7 +318,7 @@ const SPACE: f32 = 5.0;
 fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) {
     let (width, units) = (ui.available_width(), state.look.units);
     let value = match (scale.walls, values.other) {
-        (Some(most), _) => values.deviation.map(|d| format!("{} here", format_signed(d, most, units))),
+        (Some(_), _) => values.deviation.map(|d| format!("{} here", units.deviation(d.into()))),
         (None, Some((side, other))) => values.here.map(|stock| {
             let [number, other] = [units.number(stock.into(), 2), units.length(other.into(), 2)];
             format!("{number}, {} {other}", side.label().to_lowercase())
@@ -327,7 +327,7 @@ fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) 
     };
     let (low, high) = state.range();
     let ends_of_scale = match scale.walls {
-        Some(most) => [-most, most].map(|end| format_signed(end, most, units)),
+        Some(most) => [-most, most].map(|end| units.deviation(end.into())),
         None => [low, high].map(|end| units.length(end.into(), 2)),
     };
     let has_fit = match scale.walls {

@@ -2,16 +2,17 @@
 
 use std::path::PathBuf;
 
-use egui::{MenuBar, TextWrapMode, Ui};
+use egui::{MenuBar, Ui};
 
 use super::command::Command;
 use super::dock::{PanelRequest, panel_menu};
+use super::long_menu::long_content;
 use super::overlay;
 use super::panels::part::name_in_list;
 use crate::app::App;
 use crate::app::control::unsaved::Pending;
 use crate::app::model::panels::DockPanel;
-use crate::app::views::{scroll_area, theme};
+use crate::app::views::theme;
 
 /// The menus: groups of commands, with separators between the groups.
 const MENUS: [(&str, &[&[Command]]); 3] = [
@@ -111,44 +112,10 @@ const VIEWS: &[&[Command]] = &[
 const HELP: &[&[Command]] =
     &[&[Command::ShowTour, Command::ShowShortcuts, Command::ShowGlossary], &[Command::ShowAbout]];
 
-/// Room between the items of a menu and its scroll bar, points.
-const BESIDE_BAR: f32 = 4.0;
-/// Room below a menu, points.
-const BELOW_MENU: f32 = 4.0;
-/// Height of the window from which on every menu fits, points.
-const ALL_FIT: f32 = 720.0;
-
-/// Whether the menu of this name is drawn for the first time since it was closed: it begins at its top,
-/// however far it was scrolled then.
-fn has_opened(ui: &Ui, name: &str) -> bool {
-    let key = egui::Id::unique(("last pass of a menu", name));
-    let (now, last) = (ui.ctx().cumulative_pass_nr(), ui.data(|data| data.get_temp::<u64>(key)));
-    ui.data_mut(|data| data.insert_temp(key, now));
-    last.is_none_or(|last| last + 1 < now)
-}
-
 /// A menu that scrolls where the window is too low for it.
 fn long_menu(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
-    let screen = ui.ctx().content_rect();
     let bar = ui.max_rect().bottom();
-    ui.menu_button(name, |ui| match screen.height() < ALL_FIT {
-        true => {
-            let room = screen.bottom() - bar - BELOW_MENU - ui.spacing().menu_margin.sum().y;
-            // Without the pointer on it, too, the bar says that there is more.
-            let scroll = &mut ui.spacing_mut().scroll;
-            (scroll.dormant_handle_opacity, scroll.dormant_background_opacity) =
-                (scroll.active_handle_opacity, scroll.active_background_opacity);
-            // Beside the keys of the items.
-            scroll.floating_allocated_width = BESIDE_BAR + scroll.floating_width;
-            // The menu is as wide as its items: none breaks for the bar.
-            ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
-            // A popup is as high as its content was in the frame before.
-            let area = scroll_area(room);
-            let area = if has_opened(ui, name) { area.vertical_scroll_offset(0.0) } else { area };
-            area.show(ui, content);
-        }
-        false => content(ui),
-    });
+    ui.menu_button(name, |ui| long_content(ui, name, bar, content));
 }
 
 impl App {

@@ -17,6 +17,7 @@ pub mod help;
 pub mod key_order;
 pub mod legend;
 mod list_keys;
+mod long_menu;
 mod menu;
 pub mod missing_part;
 pub(in crate::app) mod modal;

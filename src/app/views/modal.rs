@@ -1,6 +1,8 @@
 //! Modal dialogs: what they do to the window below, what closes them, and questions with a few answers.
 
-use egui::{Context, Id, Key, LayerId, Modal, ModalResponse, Modifiers, Popup, RichText, Ui};
+use egui::{Context, Id, Key, LayerId, Modal, ModalResponse, Modifiers, Popup, RichText, Ui, Vec2};
+
+use super::scroll_area;
 
 /// Takes the tooltips of the window away when a modal dialog opens: they would stay over it as long as the
 /// pointer rests. Lists and menus that were open are closed: what is asked comes first. To be called before
@@ -43,6 +45,17 @@ pub fn is_confirmed(ctx: &Context) -> bool {
     !is_taken && ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter))
 }
 
+/// Room above and below a dialog with its margins, points.
+const AROUND: f32 = 40.0;
+
+/// Draws the content of a dialog that is `width` points wide, less where the window is: it scrolls where the
+/// window is too low for it.
+pub fn fitting<R>(ui: &mut Ui, width: f32, content: impl FnOnce(&mut Ui) -> R) -> R {
+    let room = ui.ctx().content_rect().size() - Vec2::splat(AROUND);
+    ui.set_width(width.min(room.x));
+    scroll_area(room.y).show(ui, content).inner
+}
+
 /// A question with one button for each answer.
 pub struct Question<'a> {
     /// Distinguishes it from other dialogs.
@@ -65,8 +78,7 @@ impl Question<'_> {
         dismissed: A,
     ) -> Option<A> {
         let mut answer = None;
-        let modal = Modal::new(Id::unique(self.id)).show(ui.ctx(), |ui| {
-            ui.set_width(self.width);
+        let content = |ui: &mut Ui| {
             ui.label(RichText::new(self.title).strong());
             ui.label(self.text);
             ui.add_space(8.0);
@@ -79,7 +91,8 @@ impl Question<'_> {
                     }
                 }
             });
-        });
+        };
+        let modal = Modal::new(Id::unique(self.id)).show(ui.ctx(), |ui| fitting(ui, self.width, content));
         answer.or(is_dismissed(&modal).then_some(dismissed))
     }
 }

@@ -6,7 +6,7 @@ use egui::{ComboBox, Grid, Label, Modal, RichText, Ui};
 
 use super::channel_order;
 use super::count_field;
-use super::modal::{is_confirmed, is_dismissed};
+use super::modal::{self, is_confirmed, is_dismissed};
 use super::panels::fields;
 use super::theme::{self, Condition};
 use crate::app::model::look::Operation;
@@ -132,8 +132,7 @@ impl NcDialog {
         let remark = self.remark.as_ref();
         let (mut answer, mut changed, mut close) = (None, None, false);
         let save = is_confirmed(ui.ctx());
-        let modal = Modal::new(egui::Id::unique("nc program")).show(ui.ctx(), |ui| {
-            ui.set_width(340.0);
+        let content = |ui: &mut Ui| {
             ui.label(RichText::new("Export NC program").strong());
             ui.add_space(4.0);
             (answer, changed) = form(ui, question, order);
@@ -147,7 +146,9 @@ impl NcDialog {
                 }
                 close = ui.button("Cancel").clicked();
             });
-        });
+        };
+        let id = egui::Id::unique("nc program");
+        let modal = Modal::new(id).show(ui.ctx(), |ui| modal::fitting(ui, 340.0, content));
         if let Some(chosen) = changed {
             self.take(chosen);
         }

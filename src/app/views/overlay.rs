@@ -19,6 +19,7 @@ use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
 use crate::app::views::count_field;
+use crate::app::views::long_menu::long_content;
 use crate::app::views::panels::flank;
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::units;
@@ -182,35 +183,41 @@ pub fn layers(
     floating(ui, at, |ui| {
         let stay = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
         MenuButton::new("Layers").config(stay).ui(ui, |ui| {
-            theme::draw_box_edges(ui);
-            for (shown, command) in switches(&mut look.layers) {
-                switch(ui, shown, command, is_available(command));
-            }
-            ui.separator();
-            if look.layers.stock {
-                ui.label("Stock colours");
-                for colours in SolidColours::ALL {
-                    ui.radio_value(&mut look.solid_colours, colours, colours.label());
-                }
-            } else if look.operation == Operation::Flank {
-                ui.label("Passes by");
-                flank::colour_radios(ui, &mut look.flank);
-            } else {
-                ui.label("Floor");
-                for (floor, name) in FLOORS {
-                    ui.radio_value(&mut look.layers.floor, floor, name);
-                }
-                ui.separator();
-                ui.label("Cutters by");
-                for colours in CutterColours::ALL {
-                    ui.radio_value(&mut look.layers.cutter_colours, colours, colours.label());
-                }
-            }
-            ui.separator();
-            let label = ui.label("Channels shown").on_hover_text(CHANNELS_TIP);
-            count_field::shown_channels(ui, &mut look.shown_channels, channels, label.id);
+            let top = ui.ctx().content_rect().top();
+            long_content(ui, "Layers", top, |ui| layer_switches(ui, look, channels, is_available));
         });
     });
+}
+
+/// The content of the menu of layers.
+fn layer_switches(ui: &mut Ui, look: &mut Look, channels: usize, is_available: impl Fn(Command) -> bool) {
+    theme::draw_box_edges(ui);
+    for (shown, command) in switches(&mut look.layers) {
+        switch(ui, shown, command, is_available(command));
+    }
+    ui.separator();
+    if look.layers.stock {
+        ui.label("Stock colours");
+        for colours in SolidColours::ALL {
+            ui.radio_value(&mut look.solid_colours, colours, colours.label());
+        }
+    } else if look.operation == Operation::Flank {
+        ui.label("Passes by");
+        flank::colour_radios(ui, &mut look.flank);
+    } else {
+        ui.label("Floor");
+        for (floor, name) in FLOORS {
+            ui.radio_value(&mut look.layers.floor, floor, name);
+        }
+        ui.separator();
+        ui.label("Cutters by");
+        for colours in CutterColours::ALL {
+            ui.radio_value(&mut look.layers.cutter_colours, colours, colours.label());
+        }
+    }
+    ui.separator();
+    let label = ui.label("Channels shown").on_hover_text(CHANNELS_TIP);
+    count_field::shown_channels(ui, &mut look.shown_channels, channels, label.id);
 }
 
 /// The mouse help beside the layers; returns the command of a chosen preset.

@@ -3,7 +3,7 @@
 
 use egui::{Modal, RichText, Ui};
 
-use super::modal::is_dismissed;
+use super::modal::{self, is_dismissed};
 use super::theme::Condition;
 
 /// Answer to the question.
@@ -99,8 +99,7 @@ pub fn ask(
     renewal: Option<Renewal>,
 ) -> Option<ReleaseAnswer> {
     let mut answer = None;
-    let modal = Modal::new(egui::Id::unique("release")).show(ui.ctx(), |ui| {
-        ui.set_width(420.0);
+    let content = |ui: &mut Ui| {
         ui.label(RichText::new(words.title).strong());
         ui.label(RichText::new(file).weak());
         ui.add_space(4.0);
@@ -139,6 +138,8 @@ pub fn ask(
                 answer = Some(ReleaseAnswer::Cancel);
             }
         });
-    });
+    };
+    let id = egui::Id::unique("release");
+    let modal = Modal::new(id).show(ui.ctx(), |ui| modal::fitting(ui, 420.0, content));
     answer.or(is_dismissed(&modal).then_some(ReleaseAnswer::Cancel))
 }

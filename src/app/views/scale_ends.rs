@@ -73,7 +73,7 @@ const WALL_LIMITS: (f32, f32) = (0.005, 10.0);
 pub fn wall_ends(ui: &mut Ui, state: &mut AppState, most: f32, bar: f32) {
     let (units, mut end) = (state.look.units, most);
     ui.spacing_mut().interact_size.x = 40.0;
-    ui.label(format_signed(-most, most, units));
+    ui.label(units.deviation((-most).into()));
     colour_bar(ui, ColourMap::Difference, bar);
     let field = ScaleEnd {
         name: "Scale maximum",
@@ -82,7 +82,7 @@ pub fn wall_ends(ui: &mut Ui, state: &mut AppState, most: f32, bar: f32) {
         range: WALL_LIMITS,
         why: ("", ""),
     };
-    let show = |mm: f64| format_signed(mm as f32, most, units);
+    let show = |mm: f64| units.deviation(mm);
     let refused = field.show_as(ui, &mut end, units, &show, f64::from(most) / 200.0);
     if state.look.wall_end.is_some() && fit_clicked(ui) {
         state.look.wall_end = None;
@@ -150,9 +150,4 @@ impl ScaleEnd {
             Typed::Nothing | Typed::Unchanged | Typed::Taken => None,
         }
     }
-}
-
-/// Stock above an allowance with its sign; a scale up to `most` sets the decimals. Both in mm.
-pub fn format_signed(value: f32, most: f32, units: DisplayUnits) -> String {
-    units.signed_length(value.into(), if most < 0.1 { 4 } else { 3 })
 }

@@ -13,6 +13,7 @@ use crate::app::model::units::DisplayUnits;
 use crate::geometry::without_conversion_error;
 use crate::io::tool_file::{MAX_NAME, MAX_NUMBER, MAX_SEGMENTS, MAX_TEETH};
 use crate::setup::Tool;
+use crate::setup::cutting_data::{CuttingData, fill_rates};
 
 const DIAMETER: FieldSpec = FieldSpec::mm("Diameter", "", 0.1, 200.0).sliding(4.0, 50.0);
 const CORNER: FieldSpec = FieldSpec::mm("Corner radius", "", 0.0, 100.0);
@@ -26,8 +27,14 @@ const INSERT: FieldSpec = FieldSpec::mm(
 const OVERHANG: FieldSpec = FieldSpec::mm("Stick-out", "Free length from tip to holder", 0.5, 1000.0);
 const FLUTES: FieldSpec =
     FieldSpec::mm("Flute length", "Length of the cutting edges; the shank begins there", 0.1, 1000.0);
-const FEED: FieldSpec = FieldSpec::plain("Feed rate", " mm/min", 10_000.0);
-const SPINDLE: FieldSpec = FieldSpec::plain("Spindle speed", " rev/min", 100_000.0);
+const FEED: FieldSpec = FieldSpec {
+    tip: "Feed rate of a plunge. Automatic: by feed per tooth, teeth and spindle speed, else by the material",
+    ..FieldSpec::plain("Feed rate", " mm/min", 10_000.0)
+};
+const SPINDLE: FieldSpec = FieldSpec {
+    tip: "Automatic: by the cutting speed of the tool, else by the material",
+    ..FieldSpec::plain("Spindle speed", " rev/min", 100_000.0)
+};
 const TEETH: FieldSpec = FieldSpec {
     label: "Teeth",
     tip: "Number of teeth; with it the feed rate of a plunge follows its engagement",
@@ -89,14 +96,15 @@ const RADIUS: &str = ", the radius. For more, make the diameter larger first";
 /// The same of the flute length.
 const STICK_OUT: &str = ", the stick-out. For more, make that longer first";
 
-/// Draws the tool and its fields, and keeps what hangs together within its limits.
-pub fn show(ui: &mut Ui, tool: &mut Tool) {
+/// Draws the tool and its fields, and keeps what hangs together within its limits. Rates that are not given
+/// are those for the `material`.
+pub fn show(ui: &mut Ui, tool: &mut Tool, material: Option<&CuttingData>) {
     tool_drawing::show(ui, tool);
-    show_fields(ui, tool);
+    show_fields(ui, tool, material);
 }
 
 /// Draws the fields alone, for where the drawing stays while they scroll.
-pub fn show_fields(ui: &mut Ui, tool: &mut Tool) {
+pub fn show_fields(ui: &mut Ui, tool: &mut Tool, material: Option<&CuttingData>) {
     let more = &mut tool.assembly;
     text_row(ui, "Name", "What the shop calls it", &mut more.name);
     fields::form(ui, "tool fields", |ui| {
@@ -112,8 +120,9 @@ pub fn show_fields(ui: &mut Ui, tool: &mut Tool) {
         if fields::optional_row(ui, &mut teeth, &TEETH, None) {
             tool.assembly.teeth = teeth.map(|teeth| teeth as u32);
         }
-        fields::plain_row(ui, &mut tool.plunge_feed, &FEED);
-        fields::plain_row(ui, &mut tool.spindle, &SPINDLE);
+        let missing = &mut tool.assembly.missing_rates;
+        rate_row(ui, &mut tool.plunge_feed, &mut missing.plunge_feed, &FEED);
+        rate_row(ui, &mut tool.spindle, &mut missing.spindle, &SPINDLE);
         fit_and_say(ui, form, tool);
     });
     let overhang = tool.overhang;
@@ -128,6 +137,17 @@ pub fn show_fields(ui: &mut Ui, tool: &mut Tool) {
     segments(ui, "Holder", &heads, &mut tool.assembly.holder, [lower, lower, 2.0 * lower]);
     more_fields(ui, tool);
     fit(tool);
+    // What they follow from may have been edited.
+    fill_rates(tool, material);
+}
+
+/// Row of a rate, which is automatic while it is missing.
+fn rate_row(ui: &mut Ui, rate: &mut f64, is_missing: &mut bool, spec: &FieldSpec) {
+    let mut given = (!*is_missing).then_some(*rate);
+    if fields::derived_row(ui, &mut given, *rate, spec) {
+        *is_missing = given.is_none();
+        *rate = given.unwrap_or(*rate);
+    }
 }
 
 /// What is said where flutes and shank together are longer than the stick-out; `None` where they are not.

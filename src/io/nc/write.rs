@@ -27,13 +27,20 @@ const SLOWER: f64 = 1.25;
 pub struct NcProgram {
     /// Its text.
     pub text: String,
-    /// Number of blocks: lines that are no mere comments.
+    /// Number of blocks: lines that are not comments only.
     pub blocks: usize,
     /// Number of moves under feed: those of the program that move, and what is added between them to keep
     /// the machine on its course.
     pub positions: usize,
     /// Largest distance of a tip as written from the one meant, mm: rounding.
     pub rounding_error: f64,
+}
+
+impl NcProgram {
+    /// Number of its blocks, in words: comments are lines of the file, but the control skips them.
+    pub fn block_words(&self) -> String {
+        format!("{} blocks without comments", self.blocks)
+    }
 }
 
 /// Writes `motion` of `program` on `machine` by `post`, with the comments `remarks` in its head.

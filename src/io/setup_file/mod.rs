@@ -47,7 +47,7 @@ pub use read::{
 };
 pub use tolerant::{SetupEntry, SetupEntryFault, TolerantSetup, read_setup_tolerantly};
 pub(super) use write::{beside, relative};
-pub use write::{locate_machine, write_setup, write_setup_beside};
+pub use write::{locate_machine, write_full_setup, write_setup, write_setup_beside};
 
 /// Version of the file format, key `version`: 2 since keys were renamed. Newer files are rejected.
 const VERSION: u32 = 2;
@@ -57,7 +57,8 @@ mod tests {
     use super::*;
     use crate::io::InputError;
     use crate::setup::{
-        AxisPolicy, ChannelOrder, ChannelSequence, ChannelSetup, CutDirection, SectionKind, Setup, Tool,
+        AxisPolicy, ChannelOrder, ChannelSequence, ChannelSetup, CutDirection, MissingRates, SectionKind,
+        Setup, Tool, ToolAssembly,
     };
 
     const SAMPLE: &str = r#"part = "D 532"
@@ -120,7 +121,7 @@ sequence = "opposite"
             overhang: 64.0,
             plunge_feed: 300.0,
             spindle: 1200.0,
-            assembly: Default::default(),
+            assembly: ToolAssembly { missing_rates: MissingRates::ALL, ..ToolAssembly::default() },
         };
         assert_eq!(setup.tools[1], second);
         assert_eq!(setup.plunge.axis, AxisPolicy::Conventional);
@@ -138,6 +139,27 @@ sequence = "opposite"
     fn a_written_setup_reads_back_equal() {
         let setup = read(SAMPLE).unwrap();
         assert_eq!(read(&write_setup(&setup)).unwrap(), setup);
+    }
+
+    #[test]
+    fn rates_that_are_not_given_stay_so() {
+        let given = SAMPLE.replace("overhang = 120", "overhang = 120\nspindle = 900");
+        let setup = read(&given).unwrap();
+        let text = write_setup(&setup);
+        assert_eq!(
+            (text.matches("spindle =").count(), text.matches("plunge_feed =").count()),
+            (1, 0),
+            "{text}"
+        );
+        let full = write_full_setup(&setup);
+        let kept = read(&full).unwrap().tools;
+        assert_eq!(kept, setup.tools.iter().map(Tool::with_given_rates).collect::<Vec<_>>());
+        // Of a material they are those that a tool without rates gets.
+        let text = text.replace("[stock]", "[stock]\nmaterial = \"titanium\"");
+        let data = crate::setup::cutting_data::CuttingData::of_name("titanium").unwrap();
+        let tools = read(&text).unwrap().tools;
+        let [first, second] = &tools[..] else { panic!("two tools") };
+        assert_eq!((first.spindle, second.spindle), (900.0, data.spindle_for(16.0)));
     }
 
     #[test]

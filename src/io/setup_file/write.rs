@@ -10,17 +10,24 @@ use crate::io::InputError;
 use crate::io::blank_file::blank_name;
 use crate::io::machine_file::{is_built_in, read_machine};
 use crate::io::table::{degrees_text, quoted};
-use crate::io::tool_file::write_tools;
+use crate::io::tool_file::{WrittenRates, write_tools};
 use crate::part::{BlankFile, BlankShape};
 use crate::setup::{ChannelSetup, ClearanceSetup, CutDirection, Goal, SectionKind, SemiFinishing, Setup};
 
 /// Writes a setup file. It reads back equal: angles that were read from degrees exactly, other angles to the
 /// last bit of an f64. A blank from a file is written with its outline, so that the text does not depend on
-/// that file; see [`write_setup_beside`].
+/// that file; see [`write_setup_beside`]. Rates of tools that are not given are left out.
 pub fn write_setup(setup: &Setup) -> String {
     let mut out = String::new();
     // `write!` to a `String` cannot fail.
-    let _ = write_to(&mut out, setup, true);
+    let _ = write_to(&mut out, setup, true, WrittenRates::Given);
+    out
+}
+
+/// As [`write_setup`], with all rates of the tools: a plan keeps those that it was made with.
+pub fn write_full_setup(setup: &Setup) -> String {
+    let mut out = String::new();
+    let _ = write_to(&mut out, setup, true, WrittenRates::All);
     out
 }
 
@@ -28,7 +35,7 @@ pub fn write_setup(setup: &Setup) -> String {
 /// as the path of that file, relative to the setup where it is in the same folder or below.
 pub fn write_setup_beside(setup: &Setup, path: &Path) -> String {
     let mut out = String::new();
-    let _ = write_to(&mut out, &beside(setup, path), false);
+    let _ = write_to(&mut out, &beside(setup, path), false, WrittenRates::Given);
     out
 }
 
@@ -67,7 +74,7 @@ pub(in crate::io) fn relative(file: &Path, path: &Path) -> PathBuf {
     beside.unwrap_or(whole)
 }
 
-fn write_to(out: &mut String, setup: &Setup, with_outline: bool) -> std::fmt::Result {
+fn write_to(out: &mut String, setup: &Setup, with_outline: bool, rates: WrittenRates) -> std::fmt::Result {
     writeln!(out, "version = {VERSION}")?;
     if let Some(part) = &setup.part {
         writeln!(out, "part = {}", quoted(part))?;
@@ -93,7 +100,7 @@ fn write_to(out: &mut String, setup: &Setup, with_outline: bool) -> std::fmt::Re
     }
     let ClearanceSetup { shank, holder } = setup.clearances;
     writeln!(out, "\n[clearance]\nshank = {shank:?}\nholder = {holder:?}")?;
-    write_tools(out, &setup.tools)?;
+    write_tools(out, &setup.tools, rates)?;
     let plunge = &setup.plunge;
     let axis = plunge.axis.name();
     writeln!(out, "\n[plunge]\naxis = \"{axis}\"")?;

@@ -16,8 +16,7 @@ use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::source::{MAX_COORDINATE, Source, quote_for_message};
 use crate::io::tool_file::{MAX_NUMBER, MAX_TEETH, MAX_TOOLS};
-use crate::setup::cutting_data::MissingRates;
-use crate::setup::{Tool, ToolAssembly};
+use crate::setup::{MissingRates, Tool, ToolAssembly};
 
 /// Shapes that are mills, in lower case and without blanks.
 const MILLS: [&str; 6] = ["endmill", "ballend", "bullnose", "torus", "facemill", "taperedballnose"];
@@ -143,12 +142,12 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
             teeth: teeth.and_then(|n| u32::try_from(n).ok()).filter(|n| (1..=MAX_TEETH).contains(n)),
             taper_rad: taper,
             shank,
+            missing_rates: MissingRates::ALL,
             ..ToolAssembly::default()
         },
     };
-    let missing = MissingRates { plunge_feed: true, spindle: true };
-    note_missing_rates(missing, &tool, &mut notes);
-    let tool = rated(LibraryTool { tool, missing, notes });
+    note_missing_rates(&tool, &mut notes);
+    let tool = rated(LibraryTool { tool, notes });
     check_tool(&tool).map_err(|what| fault(format!("{shown}: {what}"), "correct it in FreeCAD"))?;
     Ok(ToolBit::Mill(Box::new(tool)))
 }

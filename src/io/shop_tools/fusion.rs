@@ -24,8 +24,7 @@ use crate::io::table::NumberRange;
 use crate::io::tool_file::{
     CUTTING_SPEED, FEED_PER_TOOTH, MAX_NUMBER, MAX_SEGMENTS, MAX_TEETH, MAX_TOOLS, PLUNGE_FEED, SPINDLE,
 };
-use crate::setup::cutting_data::MissingRates;
-use crate::setup::{Tool, ToolAssembly};
+use crate::setup::{MissingRates, Tool, ToolAssembly};
 
 /// Largest number of entries of all kinds.
 const MAX_ENTRIES: usize = 4 * MAX_TOOLS;
@@ -269,7 +268,7 @@ fn mill(entry: &Value, kind: &str, width: f64) -> Result<LibraryTool, String> {
     let teeth = expressions.number_of("tool_numberOfFlutes");
     let teeth = teeth.filter(|n| (1.0..=f64::from(MAX_TEETH)).contains(n)).map(|n| n as u32);
     let preset = preset_of(entry, mm, &expressions, &mut notes)?;
-    let missing =
+    let missing_rates =
         MissingRates { plunge_feed: preset.plunge_feed.is_none(), spindle: preset.spindle.is_none() };
     let tool = Tool {
         number: whole("number", MAX_NUMBER).unwrap_or(0),
@@ -292,10 +291,11 @@ fn mill(entry: &Value, kind: &str, width: f64) -> Result<LibraryTool, String> {
             diameter_offset: whole("diameter-offset", MAX_NUMBER),
             feed_per_tooth: preset.feed_per_tooth,
             cutting_speed: preset.cutting_speed,
+            missing_rates,
         },
     };
-    note_missing_rates(missing, &tool, &mut notes);
-    Ok(rated(LibraryTool { tool, missing, notes }))
+    note_missing_rates(&tool, &mut notes);
+    Ok(rated(LibraryTool { tool, notes }))
 }
 
 /// The comment of an entry, or its maker and order number.

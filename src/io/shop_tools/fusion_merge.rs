@@ -165,8 +165,8 @@ fn change_entry(entry: &mut Value, known: &LibraryTool, wanted: &LibraryTool) ->
         let Tool { spindle, plunge_feed, assembly, .. } = &tool.tool;
         let known = |is_missing: bool, rate: f64| Some(rate).filter(|_| !is_missing);
         [
-            known(tool.missing.spindle, *spindle),
-            known(tool.missing.plunge_feed, *plunge_feed),
+            known(assembly.missing_rates.spindle, *spindle),
+            known(assembly.missing_rates.plunge_feed, *plunge_feed),
             assembly.feed_per_tooth,
             assembly.cutting_speed,
         ]

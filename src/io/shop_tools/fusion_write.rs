@@ -50,7 +50,7 @@ fn guid_of(text: &str) -> String {
 }
 
 /// The entry of a tool, in mm.
-pub(super) fn entry_of(LibraryTool { tool, missing, .. }: &LibraryTool) -> Value {
+pub(super) fn entry_of(LibraryTool { tool, .. }: &LibraryTool) -> Value {
     let more = &tool.assembly;
     let rate = |is_missing: bool, rate: f64| (!is_missing).then_some(rate);
     let description =
@@ -102,8 +102,8 @@ pub(super) fn entry_of(LibraryTool { tool, missing, .. }: &LibraryTool) -> Value
         "start-values": {"presets": [{
             "guid": guid_of(&format!("preset {tool:?}")),
             "name": "Vanecut",
-            "n": rate(missing.spindle, tool.spindle),
-            "v_f_plunge": rate(missing.plunge_feed, tool.plunge_feed),
+            "n": rate(more.missing_rates.spindle, tool.spindle),
+            "v_f_plunge": rate(more.missing_rates.plunge_feed, tool.plunge_feed),
             "f_z": more.feed_per_tooth,
             "v_c": more.cutting_speed,
         }]},

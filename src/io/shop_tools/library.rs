@@ -7,9 +7,9 @@ use crate::error::ErrorCode;
 use crate::geometry::without_conversion_error;
 use crate::io::InputError;
 use crate::io::source::Source;
-use crate::io::tool_file::{MAX_NAME, MAX_TOOLS, read_tools_with_rates, write_tool};
+use crate::io::tool_file::{MAX_NAME, MAX_TOOLS, WrittenRates, read_tools_bytes, write_tool};
 use crate::setup::Tool;
-use crate::setup::cutting_data::MissingRates;
+use crate::setup::cutting_data::fill_rates;
 
 /// Overhang in cutter diameters where a library has none.
 pub(super) const OVERHANG_DIAMETERS: f64 = 4.0;
@@ -17,10 +17,8 @@ pub(super) const OVERHANG_DIAMETERS: f64 = 4.0;
 /// A tool of a library.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LibraryTool {
-    /// The tool; rates that are `missing` follow from its cutting data, without a material.
+    /// The tool; rates that the library does not give follow from its cutting data, without a material.
     pub tool: Tool,
-    /// The rates that the library does not give.
-    pub missing: MissingRates,
     /// What was assumed, or could not be taken over.
     pub notes: Vec<String>,
 }
@@ -61,10 +59,11 @@ impl ToolLibrary {
 /// Rounds lengths and rates to 1e-9, as 3 in are 76.2 mm and not 76.199…: people read converted numbers.
 pub(super) fn round_lengths(library: &mut ToolLibrary) {
     let round = |mm: &mut f64| *mm = without_conversion_error(*mm);
-    for LibraryTool { tool, missing, .. } in library.tools.iter_mut().map(Arc::make_mut) {
+    for LibraryTool { tool, .. } in library.tools.iter_mut().map(Arc::make_mut) {
         [&mut tool.diameter, &mut tool.corner_radius, &mut tool.insert_width, &mut tool.overhang]
             .into_iter()
             .for_each(round);
+        let missing = tool.assembly.missing_rates;
         // Rates that are missing follow from others.
         Some(&mut tool.plunge_feed).filter(|_| !missing.plunge_feed).into_iter().for_each(round);
         Some(&mut tool.spindle).filter(|_| !missing.spindle).into_iter().for_each(round);
@@ -73,6 +72,7 @@ pub(super) fn round_lengths(library: &mut ToolLibrary) {
         tool.assembly.flute_length.iter_mut().for_each(round);
         tool.assembly.shank.iter_mut().flatten().for_each(round);
         tool.assembly.holder.iter_mut().flatten().for_each(round);
+        fill_rates(tool, None);
     }
 }
 
@@ -101,8 +101,9 @@ pub(super) fn short_name(text: &str) -> Option<String> {
 }
 
 /// A tool with the rates that it lacks, as in a setup without a material.
-pub(super) fn rated(entry: LibraryTool) -> LibraryTool {
-    LibraryTool { tool: entry.missing.filled(&entry.tool, None), ..entry }
+pub(super) fn rated(mut entry: LibraryTool) -> LibraryTool {
+    fill_rates(&mut entry.tool, None);
+    entry
 }
 
 /// What is noted of a rate that a library does not give.
@@ -121,16 +122,15 @@ impl LibraryTool {
         ];
         given.extend(sizes.iter().filter(|(_, old, new)| old != new).map(|(note, ..)| *note));
         self.notes.retain(|note| !given.iter().any(|given| note.contains(given)));
-        self.missing.plunge_feed &= tool.plunge_feed == before.plunge_feed;
-        self.missing.spindle &= tool.spindle == before.spindle;
-        note_missing_rates(self.missing, &tool, &mut self.notes);
+        note_missing_rates(&tool, &mut self.notes);
         self.tool = tool;
     }
 }
 
 /// Notes what rates a library does not give, where they do not follow from what it gives.
-pub(super) fn note_missing_rates(missing: MissingRates, tool: &Tool, notes: &mut Vec<String>) {
+pub(super) fn note_missing_rates(tool: &Tool, notes: &mut Vec<String>) {
     let more = &tool.assembly;
+    let missing = more.missing_rates;
     let spindle = missing.spindle && more.cutting_speed.is_none();
     let feed = missing.plunge_feed && (more.feed_per_tooth.is_none() || more.teeth.is_none());
     let what = match (feed, spindle) {
@@ -150,8 +150,8 @@ pub(super) fn check_tool(entry: &LibraryTool) -> Result<(), String> {
     let mut text = String::from("[[tool]]\n");
     let tool = Tool { number: entry.tool.number.max(1), ..entry.tool.clone() };
     // `write!` to a `String` cannot fail.
-    let _ = write_tool(&mut text, &tool, entry.missing);
-    read_tools_with_rates("", text.as_bytes())
+    let _ = write_tool(&mut text, &tool, WrittenRates::Given);
+    read_tools_bytes("", text.as_bytes())
         .map(|_| ())
         .map_err(|error| format!("{}; {}", error.message, error.help))
 }
@@ -186,7 +186,7 @@ mod tests {
         tool.assembly.holder = vec![[0.1 * 25.4, 3.0 * 25.4, 1.1 * 25.4]];
         assert_ne!(tool.diameter, 76.2, "by the multiplication alone");
         let mut library = ToolLibrary {
-            tools: vec![Arc::new(LibraryTool { tool, missing: MissingRates::default(), notes: Vec::new() })],
+            tools: vec![Arc::new(LibraryTool { tool, notes: Vec::new() })],
             ..Default::default()
         };
         round_lengths(&mut library);

@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 use super::InputError;
 use super::source::{Source, name_of, read_bytes_up_to};
-use super::tool_file::read_tools_with_rates;
+use super::tool_file::read_tools_bytes;
 use crate::error::ErrorCode;
 use freecad::ToolBit;
 pub use fusion_merge::{MergedLibrary, merge_fusion};
@@ -137,9 +137,8 @@ pub fn read_library_bytes(
 ) -> Result<ToolLibrary, InputError> {
     match format {
         LibraryFormat::Toml => {
-            let tools = read_tools_with_rates(name, bytes)?.into_iter();
-            let tools =
-                tools.map(|(tool, missing)| Arc::new(LibraryTool { tool, missing, notes: Vec::new() }));
+            let tools = read_tools_bytes(name, bytes)?.into_iter();
+            let tools = tools.map(|tool| Arc::new(LibraryTool { tool, notes: Vec::new() }));
             Ok(ToolLibrary { tools: tools.collect(), notes: Vec::new() })
         }
         LibraryFormat::FusionJson => fusion::read(name, bytes),

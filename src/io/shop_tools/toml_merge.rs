@@ -8,7 +8,7 @@ use super::{LibraryTool, ToolLibrary};
 use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::source::Source;
-use crate::io::tool_file::read_tools_with_rates;
+use crate::io::tool_file::read_tools_bytes;
 use crate::setup::Tool;
 
 /// First line of a tool.
@@ -36,28 +36,28 @@ pub fn merge_toml(name: &str, existing: &[u8], library: &ToolLibrary) -> Result<
     if blocks.len() < 2 || !blocks[0].tool.is_empty() {
         return Err(fault("already exists and is not a tool library"));
     }
-    let known = read_tools_with_rates(name, existing)?;
+    let known = read_tools_bytes(name, existing)?;
     if blocks.iter().filter(|block| block.starts_with_header()).count() != known.len() {
         return Err(fault("exists, and its tools are not in tables of their own"));
     }
-    let mut numbers: BTreeSet<u32> = known.iter().map(|(tool, _)| tool.number).collect();
+    let mut numbers: BTreeSet<u32> = known.iter().map(|tool| tool.number).collect();
     numbers.extend(library.tools.iter().map(|entry| entry.tool.number));
     let mut merged = MergedLibrary::default();
     let mut added = ToolLibrary::default();
     for entry in &library.tools {
         let number = entry.tool.number;
-        let Some(index) = known.iter().position(|(tool, _)| tool.number == number) else {
+        let Some(index) = known.iter().position(|tool| tool.number == number) else {
             added.tools.push(entry.clone());
             continue;
         };
-        if !is_same(&known[index].0, &entry.tool) {
+        if !is_same(&known[index], &entry.tool) {
             let free = numbers.last().map_or(1, |last| last + 1);
             numbers.insert(free);
             let mut moved = LibraryTool::clone(entry);
             moved.tool.number = free;
             merged.notes.push(format!("tool {number}: another tool there has its number: it is tool {free}"));
             added.tools.push(moved.into());
-        } else if known[index] != (entry.tool.clone(), entry.missing) {
+        } else if known[index] != entry.tool {
             let one = ToolLibrary { tools: vec![entry.clone()], notes: Vec::new() };
             let tool = blocks.iter_mut().filter(|block| block.starts_with_header()).nth(index);
             if let Some(block) = tool {
@@ -127,8 +127,8 @@ mod tests {
                         # for the outlet\n[[tool]]\nnumber = 2\n# reground\ndiameter = 9.8\n\n";
 
     fn library(text: &str) -> ToolLibrary {
-        let tools = read_tools_with_rates("new.toml", text.as_bytes()).expect("a library").into_iter();
-        let entry = |(tool, missing)| LibraryTool { tool, missing, notes: Vec::new() }.into();
+        let tools = read_tools_bytes("new.toml", text.as_bytes()).expect("a library").into_iter();
+        let entry = |tool| LibraryTool { tool, notes: Vec::new() }.into();
         ToolLibrary { tools: tools.map(entry).collect(), notes: Vec::new() }
     }
 

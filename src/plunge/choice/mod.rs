@@ -82,7 +82,7 @@ fn candidates(tools: &[Tool], limit: Option<f64>) -> Vec<&Tool> {
             .then(a.overhang.total_cmp(&b.overhang))
             .then(a.number.cmp(&b.number))
     });
-    order.dedup_by(|a, b| Tool { number: b.number, ..a.clone() } == **b);
+    order.dedup_by(|a, b| Tool { number: b.number, ..a.with_given_rates() } == b.with_given_rates());
     if let (Some(limit), Some(smallest)) = (limit, order.last().map(|tool| tool.diameter)) {
         order.retain(|tool| tool.diameter <= limit.max(smallest));
     }

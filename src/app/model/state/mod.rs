@@ -203,6 +203,16 @@ impl AppState {
         self.report_done(format!("Calculation cancelled{kept}"));
     }
 
+    /// Reports that flank planning was cancelled. What was planned so far is not kept: only whole plans are
+    /// judged, and freed from faulty moves.
+    pub fn flank_cancelled(&mut self) {
+        let kept = match self.results.flank.is_some() {
+            true => "the last flank plan is kept",
+            false => "an unfinished flank plan is not kept",
+        };
+        self.report_done(format!("Flank calculation cancelled; {kept}"));
+    }
+
     /// Stores a flank plan, to be shown where flank milling is selected: the user may have gone on to another
     /// operation meanwhile.
     pub fn take_flank(&mut self, outcome: FlankOutcome) {

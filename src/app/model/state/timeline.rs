@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::AppState;
 use crate::app::model::boundary::Boundary;
 use crate::app::model::look::{Operation, REVEAL};
+use crate::app::model::machine_list::fault_words;
 use crate::app::model::shown_channels::ShownChannels;
 use crate::app::model::timeline_program::TimelineProgram;
 use crate::plunge::Position;
@@ -35,6 +36,18 @@ impl AppState {
         let checked = self.shown_program().filter(|checked| checked.on_machine.is_some());
         let of_setup = || self.document.edited.setup.machine.file.as_deref();
         checked.map(|checked| checked.request.machine.as_str()).or_else(of_setup)
+    }
+
+    /// Why the axes of that machine are not known: what is wrong, and what to do. `None` where they are, and
+    /// while they are calculated.
+    pub fn axes_fault(&self) -> Option<(String, String)> {
+        match self.results.on_machine.as_ref()? {
+            Err(error) => Some(fault_words(error)),
+            Ok(plan) => {
+                let (what, help) = plan.fault.as_ref()?;
+                Some((format!("{}: {what}", plan.machine.name), help.clone()))
+            }
+        }
     }
 
     /// Whether the views show the tool where the timeline stands, alone: not while they show it at a fault.

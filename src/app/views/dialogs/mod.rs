@@ -1,6 +1,7 @@
 //! File dialogs that never block the window: the system dialog runs on its own thread. Where it does not open
 //! (no portal, no D-Bus, no zenity), the window asks itself.
 
+mod folders;
 mod prompt;
 mod system;
 
@@ -10,9 +11,10 @@ use std::time::{Duration, Instant};
 
 use egui::{Context, Ui};
 
-use crate::app::model::file_purpose::Purpose;
+use crate::app::model::file_purpose::{FilePlace, Purpose};
 use crate::app::views::repaint;
 
+use folders::Folders;
 use prompt::{Prompt, PromptAnswer};
 use system::SystemAnswer;
 
@@ -31,8 +33,7 @@ pub struct Dialogs {
     own_only: bool,
     prompt: Option<Prompt>,
     suggestion: String,
-    /// Folder in which the next dialog starts.
-    folder: Option<PathBuf>,
+    folders: Folders,
     listing: prompt::FolderReader,
 }
 
@@ -47,7 +48,7 @@ impl Dialogs {
             own_only: false,
             prompt: None,
             suggestion: String::new(),
-            folder: None,
+            folders: Folders::default(),
             listing: prompt::FolderReader::new(&repaint(ctx)),
         }
     }
@@ -83,7 +84,8 @@ impl Dialogs {
         }
         self.requests += 1;
         let number = self.requests;
-        let (slot, ctx, folder) = (Arc::clone(&self.slot), ctx.clone(), self.folder.clone());
+        let folder = self.folders.start(purpose).map(Path::to_owned);
+        let (slot, ctx) = (Arc::clone(&self.slot), ctx.clone());
         let ask = move || {
             let answer = system::ask(|| system::show_dialog(purpose, &suggestion, folder.as_deref()));
             *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some((number, purpose, answer));
@@ -97,7 +99,7 @@ impl Dialogs {
 
     fn start_prompt(&mut self, purpose: Purpose, reason: &'static str) {
         let name = if purpose.saves() { self.suggestion.clone() } else { String::new() };
-        self.prompt = Some(Prompt::new(purpose, name, self.folder.as_deref(), reason));
+        self.prompt = Some(Prompt::new(purpose, name, self.folders.start(purpose), reason));
     }
 
     /// Draws the window's own dialog if it is open; returns the chosen file once.
@@ -109,7 +111,7 @@ impl Dialogs {
             self.open = false;
             match answer {
                 SystemAnswer::Chosen(path) => {
-                    self.note_folder(&path);
+                    self.folders.note(purpose.place(), &path);
                     return Some((purpose, path));
                 }
                 SystemAnswer::Closed => {}
@@ -128,16 +130,15 @@ impl Dialogs {
             }
             PromptAnswer::Chosen(path) => {
                 self.prompt = None;
-                self.note_folder(&path);
+                self.folders.note(purpose.place(), &path);
                 Some((purpose, path))
             }
         }
     }
 
-    /// Starts the next dialog in the folder of a file that was opened or written.
-    pub fn note_folder(&mut self, file: &Path) {
-        let file = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
-        self.folder = file.parent().map(Path::to_owned).or(self.folder.take());
+    /// Starts the next dialog for files of this place in the folder of a file that was opened or written.
+    pub fn note_folder(&mut self, place: FilePlace, file: &Path) {
+        self.folders.note(place, file);
     }
 }
 

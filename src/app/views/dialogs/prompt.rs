@@ -10,7 +10,7 @@ use egui::{Button, Color32, Key, Modal, Modifiers, RichText, TextEdit, Ui};
 use crate::app::model::file_purpose::Purpose;
 use crate::app::tasks::Repaint;
 use crate::app::tasks::latest::Latest;
-use crate::app::views::modal::is_dismissed;
+use crate::app::views::modal::{self, is_dismissed};
 use crate::app::views::scroll_area;
 use crate::app::views::theme::{self, Condition};
 use crate::io::shop_tools::is_fusion_library;
@@ -106,40 +106,42 @@ impl Prompt {
         }
         let (mut answer, mut go) = (None, enter);
         let modal = Modal::new(egui::Id::unique("file prompt")).show(ui.ctx(), |ui| {
-            ui.set_width(440.0);
-            ui.label(RichText::new(self.purpose.title()).strong());
-            if !self.reason.is_empty() {
-                ui.label(RichText::new(self.reason).weak());
-            }
-            self.folder_line(ui);
-            self.entries(ui, reader);
-            ui.horizontal(|ui| {
-                let label = ui.label("File");
-                let hint = self.purpose.filter().1.iter().map(|e| format!(".{e}")).collect::<Vec<_>>();
-                let field = TextEdit::singleline(&mut self.name).desired_width(f32::INFINITY);
-                let field = ui.add(field.hint_text(hint.join(", "))).labelled_by(label.id);
-                if field.changed() {
-                    drop_doubled_ending(&mut self.name, self.purpose.filter().1);
+            modal::fitting(ui, 440.0, |ui| {
+                ui.label(RichText::new(self.purpose.title()).strong());
+                if !self.reason.is_empty() {
+                    ui.label(RichText::new(self.reason).weak());
                 }
-                if std::mem::take(&mut self.fresh) {
-                    field.request_focus();
-                    select_stem(ui, field.id, &self.name);
-                } else if ui.memory(|memory| memory.focused().is_none()) {
-                    // A click in the list takes it away, but what is typed is meant as a name.
-                    field.request_focus();
-                }
-            });
-            let target = self.target();
-            let problem = target.as_ref().err().filter(|text| !text.is_empty());
-            let colour = problem.map_or(Color32::TRANSPARENT, |_| Condition::Interfering.text(ui.visuals()));
-            // An empty line otherwise, so that the buttons stay where they are.
-            ui.label(RichText::new(problem.map_or(" ", String::as_str)).color(colour));
-            ui.horizontal(|ui| {
-                let verb = if self.purpose.saves() { "Save" } else { "Open" };
-                go |= ui.add_enabled(target.is_ok(), Button::new(verb)).clicked();
-                if ui.button("Cancel").clicked() || escape {
-                    answer = Some(PromptAnswer::Cancelled);
-                }
+                self.folder_line(ui);
+                self.entries(ui, reader);
+                ui.horizontal(|ui| {
+                    let label = ui.label("File");
+                    let hint = self.purpose.filter().1.iter().map(|e| format!(".{e}")).collect::<Vec<_>>();
+                    let field = TextEdit::singleline(&mut self.name).desired_width(f32::INFINITY);
+                    let field = ui.add(field.hint_text(hint.join(", "))).labelled_by(label.id);
+                    if field.changed() {
+                        drop_doubled_ending(&mut self.name, self.purpose.filter().1);
+                    }
+                    if std::mem::take(&mut self.fresh) {
+                        field.request_focus();
+                        select_stem(ui, field.id, &self.name);
+                    } else if ui.memory(|memory| memory.focused().is_none()) {
+                        // A click in the list takes it away, but what is typed is meant as a name.
+                        field.request_focus();
+                    }
+                });
+                let target = self.target();
+                let problem = target.as_ref().err().filter(|text| !text.is_empty());
+                let colour =
+                    problem.map_or(Color32::TRANSPARENT, |_| Condition::Interfering.text(ui.visuals()));
+                // An empty line otherwise, so that the buttons stay where they are.
+                ui.label(RichText::new(problem.map_or(" ", String::as_str)).color(colour));
+                ui.horizontal(|ui| {
+                    let verb = if self.purpose.saves() { "Save" } else { "Open" };
+                    go |= ui.add_enabled(target.is_ok(), Button::new(verb)).clicked();
+                    if ui.button("Cancel").clicked() || escape {
+                        answer = Some(PromptAnswer::Cancelled);
+                    }
+                });
             });
         });
         if answer.is_some() || is_dismissed(&modal) {
@@ -259,14 +261,15 @@ impl Prompt {
         let path = self.replacing.clone()?;
         let (mut replace, mut back) = (false, escape);
         let modal = Modal::new(egui::Id::unique("file replace")).show(ui.ctx(), |ui| {
-            ui.set_width(360.0);
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            ui.label(RichText::new(format!("Replace {name}?")).strong());
-            ui.label(format!("It already exists in {}", self.folder_of(&path)));
-            ui.add_space(6.0);
-            ui.horizontal(|ui| {
-                replace = ui.button("Replace").clicked();
-                back |= ui.button("Cancel").clicked() || enter;
+            modal::fitting(ui, 360.0, |ui| {
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                ui.label(RichText::new(format!("Replace {name}?")).strong());
+                ui.label(format!("It already exists in {}", self.folder_of(&path)));
+                ui.add_space(6.0);
+                ui.horizontal(|ui| {
+                    replace = ui.button("Replace").clicked();
+                    back |= ui.button("Cancel").clicked() || enter;
+                });
             });
         });
         if replace {

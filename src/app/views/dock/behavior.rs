@@ -23,6 +23,8 @@ pub struct DockBehavior<'a> {
     pub tabbed: Vec<TileId>,
     /// Whether the dragged panel would not be docked where the pointer is.
     pub is_outside: bool,
+    /// What is seen of the docked panels.
+    pub view: Rect,
     /// Height of the content of [`DockPanel::Details`], points.
     pub details_height: &'a mut f32,
     /// Whether a panel was dropped.
@@ -34,6 +36,8 @@ pub struct DockBehavior<'a> {
 impl Behavior<DockPanel> for DockBehavior<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, tile: TileId, panel: &mut DockPanel) -> UiResponse {
         let (rect, panel) = (ui.max_rect(), *panel);
+        // The tree draws each tile without the limits of what it stands in.
+        ui.shrink_clip_rect(self.view);
         // What is opened and scrolled in a panel stays when it is moved.
         let builder = UiBuilder::new().max_rect(rect).scope_id(content::panel_id(panel));
         ui.scope_builder(builder, |ui| self.app.docked_panel(ui, panel, self.details_height));

@@ -76,10 +76,12 @@ impl App {
 
     /// Width that the docked table needs, points.
     pub(super) fn table_width(&self) -> f32 {
-        if self.state.look.operation != Operation::Roughing {
-            return 0.0;
-        }
-        panels::positions::columns_width(&self.state) + margin(DockPanel::Table).sum().x
+        let columns = match self.state.look.operation {
+            Operation::Roughing => panels::positions::columns_width(&self.state),
+            Operation::Flank => panels::flank_passes::columns_width(&self.state),
+            Operation::Program => return 0.0,
+        };
+        columns + margin(DockPanel::Table).sum().x
     }
 
     /// Size below which a panel scrolls, points; 0 where it fits into what there is.

@@ -13,7 +13,9 @@ mod windows;
 
 use std::collections::{HashMap, HashSet};
 
-use egui::{Context, Pos2, Rect, Ui};
+use egui::containers::scroll_area::ScrollSource;
+use egui::style::ScrollStyle;
+use egui::{Context, Pos2, Rect, ScrollArea, Ui, UiBuilder, Vec2};
 use egui_tiles::{Container, LinearDir, SimplificationOptions, Tile, TileId, Tree};
 
 pub use windows::in_front;
@@ -28,6 +30,9 @@ use fronts::FrontTabs;
 pub use grip::{PanelRequest, WindowEdge, panel_menu};
 use sizes::{KeptSize, Sizes};
 
+/// Size below which the docked panels scroll as a whole, points: columns of the usual widths beside a 3D view
+/// whose controls do not lie over each other.
+const MIN_SIZE: Vec2 = Vec2::new(770.0, 260.0);
 /// Height of the middle below which the plots under the 3D view are hidden in favour of it, points.
 const MIN_HEIGHT_FOR_PLOTS: f32 = 400.0;
 /// What stays for other panels beside one that is as high as its content, points.
@@ -138,8 +143,31 @@ fn simplification() -> SimplificationOptions {
 }
 
 impl App {
-    /// Draws the docked panels in the rest of `ui`.
+    /// Draws the docked panels in the rest of `ui`. Where that is too small for them, as in a small window
+    /// with large text, they scroll as a whole.
     pub(in crate::app) fn docked_panels(&mut self, ui: &mut Ui) {
+        let (room, solid) = (ui.available_size(), ScrollStyle::solid());
+        let is_narrow = room.x < MIN_SIZE.x;
+        let bar = if is_narrow { solid.allocated_width() } else { 0.0 };
+        let is_low = room.y - bar < MIN_SIZE.y;
+        if !is_narrow && !is_low {
+            return self.panels_in(ui);
+        }
+        let inner = std::mem::replace(&mut ui.spacing_mut().scroll, solid);
+        // The wheel is that of the panels: it zooms the 3D view, and scrolls tables.
+        let area = ScrollArea::new([is_narrow, is_low]).scroll_source(ScrollSource::SCROLL_BAR);
+        area.id_salt("docked panels").auto_shrink(false).show(ui, |ui| {
+            ui.spacing_mut().scroll = inner;
+            let room = ui.available_size();
+            let width = if is_narrow { MIN_SIZE.x } else { room.x };
+            let height = if is_low { MIN_SIZE.y } else { room.y };
+            let (_, rect) = ui.allocate_space(Vec2::new(width, height));
+            self.panels_in(&mut ui.new_child(UiBuilder::new().max_rect(rect)));
+        });
+    }
+
+    /// Draws the docked panels in the rest of `ui`.
+    fn panels_in(&mut self, ui: &mut Ui) {
         // Commands of the panels ask where these are.
         let mut dock = self.dock.clone();
         if std::mem::take(&mut self.state.look.panels.wants_reset) {
@@ -180,6 +208,7 @@ impl App {
             bars,
             tabbed,
             is_outside: is_outside || is_over_window,
+            view: ui.clip_rect(),
             details_height: &mut dock.details_height,
             was_dropped: false,
             request: None,

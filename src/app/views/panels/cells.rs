@@ -10,6 +10,11 @@ pub fn cell(ui: &mut Ui, text: RichText) {
     ui.add(egui::Label::new(text.monospace().size(12.0)).selectable(false));
 }
 
+/// A cell of a table with words instead of numbers.
+pub fn word_cell(ui: &mut Ui, text: &str) {
+    ui.add(egui::Label::new(RichText::new(text).size(12.0)).selectable(false));
+}
+
 /// Mark of a state, by colour and shape: disc, square or small ring.
 pub fn mark(ui: &mut Ui, of: Condition) {
     let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, theme::ROW_HEIGHT), Sense::hover());

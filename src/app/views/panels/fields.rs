@@ -140,7 +140,7 @@ pub fn number_box(
         .clamp_existing_to_range(false)
         .custom_formatter(|value, _| write(value))
         .custom_parser(|text| match automatic {
-            Some(words) if text.trim().is_empty() || text.trim() == words || is_zero(text) => {
+            Some(words) if ["", words, spec.absent].contains(&text.trim()) || is_zero(text) => {
                 typed.replace(Typed::Taken);
                 Some(0.0)
             }
@@ -180,6 +180,17 @@ pub fn plain_row(ui: &mut Ui, value: &mut f64, spec: &FieldSpec) -> bool {
 pub fn optional_row(ui: &mut Ui, value: &mut Option<f64>, spec: &FieldSpec, now: Option<f64>) -> bool {
     let mut number = value.unwrap_or(0.0);
     let changed = labelled(ui, &mut number, Some(0.0), spec, Some((spec.absent, now)));
+    if changed {
+        *value = (number > 0.0).then(|| number.max(spec.min));
+    }
+    changed
+}
+
+/// Like [`optional_row`], where the automatic value follows from others: it is shown as such.
+pub fn derived_row(ui: &mut Ui, value: &mut Option<f64>, automatic: f64, spec: &FieldSpec) -> bool {
+    let words = format!("{} {}", spec.absent, show(automatic, spec, units::display_units(ui)));
+    let mut number = value.unwrap_or(0.0);
+    let changed = labelled(ui, &mut number, Some(0.0), spec, Some((words.as_str(), None)));
     if changed {
         *value = (number > 0.0).then(|| number.max(spec.min));
     }

@@ -223,14 +223,14 @@ pub fn region_words(region: Region, splitters: usize) -> String {
     }
 }
 
-/// The same in as few letters as the table of passes has.
+/// The same in a word, for the table of passes.
 pub fn short_region_words(region: Region, splitters: usize) -> &'static str {
     match region {
         Region::INLET if splitters == 0 => "channel",
         Region::INLET => "inlet",
-        Region { low: WallName::Low, .. } => "suct.",
-        Region { high: WallName::High, .. } => "press.",
-        _ => "split.",
+        Region { low: WallName::Low, .. } => "suction",
+        Region { high: WallName::High, .. } => "pressure",
+        _ => "splitter",
     }
 }
 

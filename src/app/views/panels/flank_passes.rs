@@ -1,12 +1,15 @@
 //! Table of the passes of the flank plan, in cutting order.
 
+use std::sync::Arc;
+
 use egui::{RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
-use super::cells::cell;
+use super::cells::{cell, word_cell};
 use super::flank::{region_words, short_region_words};
 use crate::app::model::figures::format_clock;
 use crate::app::model::flank_passes::FlankPass;
+use crate::app::model::flank_run::FlankRun;
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::theme;
@@ -17,7 +20,7 @@ use crate::flank::region::{Region, WallName};
 const COLUMNS: [(&str, &str, [f32; 2]); 5] = [
     ("#", "Number in cutting order", [30.0; 2]),
     ("Layer", "Layer, 1 at the hub", [38.0; 2]),
-    ("Region", "Where in the channel; w: along a wall", [64.0; 2]),
+    ("Region", "Where in the channel, and whether along a wall", [84.0; 2]),
     ("Length", "Length of the pass", [48.0, 54.0]),
     ("Time", "When the pass ends, on the clock of the timeline", [58.0, 54.0]),
 ];
@@ -25,9 +28,37 @@ const COLUMNS: [(&str, &str, [f32; 2]); 5] = [
 /// Column after the first one, where several channels are shown.
 const CHANNEL: (&str, &str, [f32; 2]) = ("Ch.", "Channel", [19.0; 2]);
 
+/// Space between columns, points.
+const SPACING: f32 = 4.0;
+/// Space for the scroll bar, points.
+const SCROLL_BAR: f32 = 5.0;
+
+/// The columns, with that of the channel where `several` are shown.
+fn columns(several: bool) -> impl Iterator<Item = (&'static str, &'static str, [f32; 2])> {
+    let first = COLUMNS.into_iter().take(1);
+    first.chain(several.then_some(CHANNEL)).chain(COLUMNS.into_iter().skip(1))
+}
+
+/// Index of the widths of the columns in these units.
+fn width_index(units: DisplayUnits) -> usize {
+    usize::from(units == DisplayUnits::Inch)
+}
+
+/// The flank plan in its channels, if several are shown.
+fn several_channels(state: &AppState) -> Option<&Arc<FlankRun>> {
+    state.results.flank_run.as_ref().filter(|run| run.count() > 1)
+}
+
+/// Width of all columns, points.
+pub fn columns_width(state: &AppState) -> f32 {
+    let unit = width_index(state.look.units);
+    let widths = columns(several_channels(state).is_some()).map(|(_, _, widths)| widths[unit] + SPACING);
+    widths.sum::<f32>() + SCROLL_BAR
+}
+
 /// Draws the table; a click on a row selects the pass.
 pub fn show(ui: &mut Ui, state: &mut AppState) {
-    let found = std::sync::Arc::clone(&state.results.passes);
+    let found = Arc::clone(&state.results.passes);
     let layout = state.results.flank.as_ref().map(|outcome| &outcome.plan.layout);
     let of_one = layout.map_or(0, |layout| layout.totals[layout.strategy as usize].passes);
     let passes = of_one * state.results.flank_run.as_ref().map_or(1, |run| run.count());
@@ -41,11 +72,8 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         ui.label(RichText::new("The plan has no passes").weak());
         return;
     }
-    let several = state.results.flank_run.clone().filter(|run| run.count() > 1);
-    if several.is_some() {
-        // All columns fit into the width of the table at first.
-        ui.spacing_mut().item_spacing.x = 4.0;
-    }
+    let several = several_channels(state).cloned();
+    ui.spacing_mut().item_spacing.x = SPACING;
     let selected = state.look.flank.pass;
     // Its own place of scrolling, and a new one for another part.
     let part = state.document.part.as_ref().map(|part| part.hash.fnv1a);
@@ -60,10 +88,8 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         .animate_scrolling(false)
         .cell_layout(egui::Layout::right_to_left(egui::Align::Center));
     let splitters = splitter_count(state);
-    let unit = usize::from(state.look.units == DisplayUnits::Inch);
-    let columns = || {
-        COLUMNS.into_iter().take(1).chain(several.iter().map(|_| CHANNEL)).chain(COLUMNS.into_iter().skip(1))
-    };
+    let unit = width_index(state.look.units);
+    let columns = || columns(several.is_some());
     for (_, _, widths) in columns() {
         builder = builder.column(Column::exact(widths[unit]));
     }
@@ -89,17 +115,15 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
                 let Some(pass) = found.passes.get(k) else { return };
                 row.set_selected(selected == Some(k));
                 let region = short_region_words(pass.region, splitters);
-                let wall = if pass.along_wall { " w" } else { "" };
+                let wall = if pass.along_wall { " wall" } else { "" };
                 let channel = several.as_ref().map(|run| (run.channel_of(pass.from) + 1).to_string());
-                let cells = [
-                    Some((k + 1).to_string()),
-                    channel,
-                    Some((pass.layer + 1).to_string()),
-                    Some(format!("{region}{wall}")),
-                    Some(units.number(pass.length, 1)),
-                    Some(state.time_after(pass.end).map_or_else(String::new, format_clock)),
-                ];
-                for text in cells.into_iter().flatten() {
+                let numbers = [Some((k + 1).to_string()), channel, Some((pass.layer + 1).to_string())];
+                for text in numbers.into_iter().flatten() {
+                    row.col(|ui| cell(ui, RichText::new(text)));
+                }
+                row.col(|ui| word_cell(ui, &format!("{region}{wall}")));
+                let time = state.time_after(pass.end).map_or_else(String::new, format_clock);
+                for text in [units.number(pass.length, 1), time] {
                     row.col(|ui| cell(ui, RichText::new(text)));
                 }
                 row.col(|_| ());
@@ -131,9 +155,8 @@ pub fn describe(ui: &mut Ui, state: &AppState, k: usize, pass: &FlankPass) {
         Region { high: WallName::High, .. } => ", along the pressure side",
         _ => ", along a splitter",
     };
-    let several = state.results.flank_run.as_ref().filter(|run| run.count() > 1);
-    let channel =
-        several.map_or_else(String::new, |run| format!(" channel {},", run.channel_of(pass.from) + 1));
+    let channel = several_channels(state)
+        .map_or_else(String::new, |run| format!(" channel {},", run.channel_of(pass.from) + 1));
     ui.label(RichText::new(format!("Pass {}:{channel} layer {}{wall}", k + 1, pass.layer + 1)).strong());
     if !pass.along_wall {
         ui.label(region_words(pass.region, splitter_count(state)));

@@ -20,7 +20,7 @@ use crate::app::model::flank_skips::{SkippedReason, skipped_by_reason, skipped_l
 use crate::app::model::problem::as_sentence;
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
-use crate::app::model::verdict::{self, count_skipped_stretches};
+use crate::app::model::verdict::{self, count_skipped_stretches, count_stretches};
 use crate::app::views::theme::Condition;
 use crate::app::views::units;
 
@@ -53,8 +53,7 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
         ui.label(text).on_hover_text(format!("Stretches of passes that are not cut:{reasons}"));
     }
     let units = state.look.units;
-    let [gouge, left] = [outcome.max_overcut(), outcome.max_undercut()];
-    let walls = format!("{} / {}", units.signed(-gouge, 4), units.signed_length(left, 4));
+    let walls = units.deviations(outcome.max_overcut(), outcome.max_undercut());
     divided_figure(
         ui,
         "Wall error",
@@ -166,20 +165,14 @@ fn faults(ui: &mut Ui, outcome: &FlankOutcome) {
     }
 }
 
-/// Draws the reasons of skipped stretches of passes, with number and length of each.
+/// Draws the reasons of skipped stretches of passes, with number and length of each below it: beside them a
+/// reason would have a column of a few letters.
 fn skipped(ui: &mut Ui, uncut: &[UncutLength], units: DisplayUnits) {
-    Grid::new("skipped passes").num_columns(3).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
-        for head in ["Reason", "Stretches", "Length"] {
-            ui.label(RichText::new(head).weak());
-        }
-        ui.end_row();
-        for SkippedReason { message, stretches } in skipped_by_reason(uncut) {
-            ui.add(egui::Label::new(as_sentence(message.to_owned())).wrap());
-            ui.label(stretches.len().to_string());
-            ui.label(skipped_length(&stretches, units));
-            ui.end_row();
-        }
-    });
+    for SkippedReason { message, stretches } in skipped_by_reason(uncut) {
+        ui.add(egui::Label::new(as_sentence(message.to_owned())).wrap());
+        let count = count_stretches(stretches.len());
+        ui.label(RichText::new(format!("{count}, {}", skipped_length(&stretches, units))).weak());
+    }
 }
 
 fn table(ui: &mut Ui, outcome: &FlankOutcome) {
@@ -228,8 +221,8 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
             DisplayUnits::Metric => format!("{:.2} m", 1e-3 * curves.floor_length),
             DisplayUnits::Inch => format!("{:.0} in", units.of_mm(curves.floor_length)),
         },
-        units.signed_length(-outcome.max_overcut(), 4),
-        units.signed_length(outcome.max_undercut(), 4),
+        units.deviation(-outcome.max_overcut()),
+        units.deviation(outcome.max_undercut()),
         // No line breaks within it.
         format_duration(outcome.time_s()).replace(' ', "\u{a0}"),
     ));

@@ -350,7 +350,7 @@ fn selected(
     tool_drawing::show(ui, &tool);
     let height = bottom.map_or(DOCKED_FORM, |bottom| (bottom - ui.cursor().top()).max(MIN_FORM));
     scroll_area(height).id_salt("library tool").show(ui, |ui| {
-        ui.push_id(("library tool", index), |ui| tool_form::show_fields(ui, &mut tool));
+        ui.push_id(("library tool", index), |ui| tool_form::show_fields(ui, &mut tool, None));
     });
     if tool != entry.tool {
         library.replace(index, tool);

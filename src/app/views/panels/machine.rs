@@ -4,8 +4,7 @@ use egui::{ComboBox, Ui};
 
 use super::fields;
 use crate::app::model::field_faults::FaultyField;
-use crate::app::model::machine_list::{MachineList, with_file_name};
-use crate::app::model::problem::without_markdown;
+use crate::app::model::machine_list::{MachineList, fault_words};
 use crate::app::views::command::Command;
 use crate::app::views::field_faults;
 use crate::app::views::theme::{self, Condition};
@@ -59,8 +58,8 @@ pub fn show(ui: &mut Ui, setup: &Setup, machines: &MachineList) -> Option<Machin
             let is_reported = field_faults::show(ui, FaultyField::MACHINE.label, at, is_edited);
             if let Some(error) = chosen.and_then(|chosen| machines.fault_of(chosen)).filter(|_| !is_reported)
             {
-                let text = format!("{}; {}", with_file_name(error), error.help);
-                field_faults::mark(ui, at, &without_markdown(&text), (Condition::Blocked, 1.0));
+                let (what, help) = fault_words(error);
+                field_faults::mark(ui, at, &format!("{what}; {help}"), (Condition::Blocked, 1.0));
             }
         });
         ui.end_row();

@@ -1,7 +1,8 @@
 //! Plot of both rotary axes of the machine over the program, with the position of the timeline. A click moves
 //! the timeline there.
 
-use egui::{Align2, Color32, FontId, Rect, Sense, Stroke, Ui};
+use egui::text::LayoutJob;
+use egui::{Align, Align2, Color32, FontId, Rect, Sense, Stroke, Ui};
 
 use super::plots::PositionScale;
 use crate::app::model::machine::{AxisPositions, ProgramOnMachine};
@@ -15,6 +16,10 @@ use crate::palette::category;
 /// Height of the plot, points.
 pub const HEIGHT: f32 = 66.0;
 
+/// Name for assistive technology.
+const NAME: &str = "Rotary axes over the program";
+/// Space beside a text in place of the plot, points.
+const MARGIN: f32 = 5.0;
 /// Height of the line with names and ranges, points.
 const HEAD: f32 = 18.0;
 /// Shortest scale, degrees, so that rounding is not magnified.
@@ -65,20 +70,37 @@ impl AxisCurve {
     }
 }
 
+/// Writes `text` in the middle of `rect`, in as many lines as fit.
+fn say_in(ui: &Ui, rect: Rect, text: String) {
+    let (font, ink) = (FontId::proportional(theme::MIN_TEXT_SIZE), ui.visuals().weak_text_color());
+    let line = ui.fonts_mut(|fonts| fonts.row_height(&font));
+    let mut job = LayoutJob::simple(text, font, ink, rect.width() - 2.0 * MARGIN);
+    job.halign = Align::Center;
+    job.wrap.max_rows = ((rect.height() / line) as usize).max(1);
+    let galley = ui.painter().layout_job(job);
+    let top = rect.center().y - 0.5 * galley.size().y;
+    ui.painter_at(rect).galley(egui::pos2(rect.center().x, top), galley, ink);
+}
+
 /// Draws the plot; a click moves the timeline. Returns a command from the context menu, with the position it
 /// is for.
 pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     let size = egui::vec2(ui.available_width(), ui.available_height().min(HEIGHT));
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
-    response
-        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Rotary axes over the program"));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, NAME));
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
     let Some(plan) = state.on_machine().filter(|plan| !plan.ends.is_empty()) else {
-        let is_known = state.results.on_machine.is_some();
-        let text = if is_known { "The machine cannot run the program" } else { "Axes: calculating…" };
-        let (font, ink) = (FontId::proportional(theme::MIN_TEXT_SIZE), ui.visuals().weak_text_color());
-        painter.text(rect.center(), Align2::CENTER_CENTER, text, font, ink);
+        let fault = state.axes_fault();
+        let tip = fault.as_ref().map(|(what, help)| format!("{what}\nFix: {help}"));
+        let text =
+            fault.map_or_else(|| "Axes: calculating…".to_owned(), |(what, help)| format!("{what}; {help}"));
+        say_in(ui, rect, text.clone());
+        response
+            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("{NAME}: {text}")));
+        if let Some(tip) = tip {
+            response.on_hover_text(tip);
+        }
         return None;
     };
     // The second is too pale on a light ground.

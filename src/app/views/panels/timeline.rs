@@ -81,23 +81,21 @@ const LINES_AROUND: usize = 6;
 
 /// Where the axes of the chosen machine stand at the position of the timeline, or why it cannot run the plan.
 fn axes(ui: &mut Ui, state: &AppState) {
-    let line = |ui: &mut Ui, text: String, tip: &str| {
-        let text = RichText::new(text).color(Condition::Interfering.text(ui.visuals()));
-        ui.add(egui::Label::new(text).truncate()).on_hover_text(tip);
-    };
-    match &state.results.on_machine {
+    if let Some((what, help)) = state.axes_fault() {
+        let ink = Condition::Interfering.text(ui.visuals());
+        let text = RichText::new(format!("{what}; {help}")).color(ink);
+        ui.add(egui::Label::new(text).truncate()).on_hover_text(format!("{what}\nFix: {help}"));
+        return;
+    }
+    match state.on_machine() {
         None => {
             ui.label(RichText::new("Axes: calculating…").weak());
         }
-        Some(Err(error)) => line(ui, error.message.clone(), &error.help),
-        Some(Ok(plan)) => match (&plan.fault, plan.at(state.timeline_cut())) {
-            (Some((what, help)), _) => {
-                line(ui, format!("{}: {what}", plan.machine.name), &format!("{what}\nFix: {help}"));
-            }
-            (None, None) => {
+        Some(plan) => match plan.at(state.timeline_cut()) {
+            None => {
                 ui.label(RichText::new(&plan.machine.name).weak());
             }
-            (None, Some(at)) => {
+            Some(at) => {
                 let texts = axis_texts(plan, at, state.look.units);
                 let font = FontId::monospace(AXES_SIZE);
                 let glyph = ui.fonts_mut(|fonts| fonts.glyph_width(&font, '0'));

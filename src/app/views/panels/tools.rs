@@ -5,7 +5,10 @@ use std::collections::HashSet;
 use egui::{ComboBox, Grid, Id, RichText, Ui};
 
 use crate::io::tool_file::MAX_NUMBER;
-use crate::setup::{AxisPolicy, CutDirection, SectionKind, SectionSetup, Setup, Tool};
+use crate::setup::cutting_data::fill_rates;
+use crate::setup::{
+    AxisPolicy, CutDirection, MissingRates, SectionKind, SectionSetup, Setup, Tool, ToolAssembly,
+};
 
 use super::fields::{self, FieldSpec};
 use crate::app::model::field_faults::{FieldScope, SECTION};
@@ -177,6 +180,7 @@ fn tools(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
     let used: Option<HashSet<u32>> =
         (setup.tools.len() > MAX_LISTED).then(|| used_numbers(setup, chosen.unwrap_or(setup)));
     let numbers: Vec<u32> = setup.tools.iter().map(|tool| tool.number).collect();
+    let material = setup.allowances.cutting_data();
     let is_listed = |tool: &Tool| used.as_ref().is_none_or(|used| used.contains(&tool.number));
     for (k, tool) in setup.tools.iter_mut().enumerate().filter(|(_, tool)| is_listed(tool)) {
         let units = units::display_units(ui);
@@ -187,7 +191,7 @@ fn tools(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
         // A fault is not hidden under a closed heading.
         heading.open(is_faulty.then_some(true)).show_unindented(ui, |ui| {
             number_row(ui, tool.number, &numbers, &mut renumbered);
-            field_faults::within(ui, FieldScope::Tool(k), |ui| tool_form::show(ui, tool));
+            field_faults::within(ui, FieldScope::Tool(k), |ui| tool_form::show(ui, tool, material));
             let delete = ui.add_enabled(!last_one, egui::Button::new("Remove tool"));
             if delete.clicked() {
                 remove = Some(k);
@@ -213,7 +217,8 @@ fn tools(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
     if ui.button("Add tool").clicked() {
         let number = setup.tools.iter().map(|tool| tool.number).max().unwrap_or(0).saturating_add(1);
         let like = setup.tools.last();
-        setup.tools.push(Tool {
+        let missing_rates = like.map_or(MissingRates::ALL, |t| t.assembly.missing_rates);
+        let mut tool = Tool {
             number,
             diameter: like.map_or(16.0, |t| t.diameter),
             corner_radius: like.map_or(0.0, |t| t.corner_radius),
@@ -221,8 +226,10 @@ fn tools(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
             overhang: like.map_or(120.0, |t| t.overhang),
             plunge_feed: like.map_or(300.0, |t| t.plunge_feed),
             spindle: like.map_or(1200.0, |t| t.spindle),
-            assembly: Default::default(),
-        });
+            assembly: ToolAssembly { missing_rates, ..ToolAssembly::default() },
+        };
+        fill_rates(&mut tool, material);
+        setup.tools.push(tool);
     }
 }
 

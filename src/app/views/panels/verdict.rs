@@ -169,9 +169,14 @@ fn clearance(ui: &mut Ui, name: &str, value: f64, allowance: f64, begin: fn(&mut
     ui.label(text).on_hover_text(tip);
 }
 
-/// Height of the verdict in a window `width` points wide: one line, or two where one is too narrow for all
+/// Height of the verdict in a window `width` points wide: one line, or more where one is too narrow for all
 /// that may have to be said. It depends on nothing else, so that no verdict moves the picture.
 pub fn height(width: f32) -> f32 {
-    let lines = if width < 1500.0 { 2.0 } else { 1.0 };
+    let lines = match width {
+        ..520.0 => 4.0,
+        520.0..800.0 => 3.0,
+        800.0..1500.0 => 2.0,
+        _ => 1.0,
+    };
     lines * (theme::ROW_HEIGHT + 3.0) + 6.0
 }

@@ -3,7 +3,7 @@
 use egui::{RichText, TextEdit, Ui};
 
 use crate::io::project_file::SetFigures;
-use crate::io::write_setup;
+use crate::io::setup_file::write_full_setup;
 use crate::setup::Setup;
 
 use crate::app::model::figures::{INTERFERING_TIP, format_duration};
@@ -122,7 +122,7 @@ fn cells(ui: &mut Ui, figures: Option<SetFigures>, channels: usize) {
 
 /// Differences of a variant from the current setup, as lines of a setup file.
 fn differences(now: &Setup, set: &Setup) -> String {
-    let (now, set) = (write_setup(now), write_setup(set));
+    let (now, set) = (write_full_setup(now), write_full_setup(set));
     let new = |text: &str, other: &str| -> Vec<String> {
         let known: Vec<&str> = other.lines().collect();
         text.lines().filter(|line| line.contains('=') && !known.contains(line)).map(str::to_owned).collect()
