@@ -39,7 +39,8 @@ pub enum FaultKind {
     AxisLimit,
     /// The axis turns too far in one move; value: the turn, degrees.
     AxisTurn,
-    /// A cut engages deeper than the tool is long, or than is plausible for its diameter; value: the depth, mm.
+    /// A cut engages deeper than the tool is long, or than is plausible for its diameter; value: the depth,
+    /// mm.
     TooDeep,
     /// Cuts without a feed rate; value: their number.
     NoFeed,
