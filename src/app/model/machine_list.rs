@@ -88,7 +88,7 @@ mod tests {
         let fault = InputError::new(ErrorCode::FileUnreadable, "b.toml", 0, "is gone".to_owned(), "find it");
         list.note(&file("/m/a.toml", Ok("Mill 5".to_owned())));
         list.note(&file("/m/b.toml", Err(fault)));
-        assert_eq!(list.label_of("/m/a.toml"), "Mill 5 (a.toml)");
+        assert_eq!(list.label_of("/m/a.toml"), "a.toml (Mill 5)");
         assert_eq!(
             (list.label_of("/m/b.toml"), list.label_of("bc-head")),
             ("b.toml".into(), "bc-head".into())
