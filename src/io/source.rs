@@ -54,10 +54,11 @@ impl<'a> Source<'a> {
         self.fault(line, what, TRUNCATED).with_code(ErrorCode::FileCutOff)
     }
 
-    /// The error of a JSON file that is not `what`, with its article: it may end too early.
+    /// The error of a JSON file that is not `what`, with its article: it ends too early, or is another file.
     pub fn not_json(&self, error: &serde_json::Error, what: &str, help: &str) -> InputError {
         let message = format!("this is not {what} ({error})");
-        if error.is_eof() {
+        let is_empty = (error.line(), error.column()) == (1, 0);
+        if error.is_eof() && !is_empty {
             self.cut_off(error.line(), message)
         } else {
             self.fault(error.line(), message, help)
