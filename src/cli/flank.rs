@@ -11,7 +11,7 @@ use super::machine_figures::MachineFigures;
 use super::output::{fault_list, head, number};
 use super::output_folder::{check_directory, create_directory, write_report};
 use super::stdout::print_stdout;
-use super::verify::flank::{cut_text, text as verdict_text, walls_text};
+use super::verify::flank::{cut_words, text as verdict_text, walls_text};
 use super::watch::run_with_progress;
 use super::{Failure, open};
 use crate::error::ErrorCode;
@@ -349,7 +349,8 @@ fn text(outcome: &FlankOutcome) -> String {
         plan.forced_deviation(),
     );
     if let Some(verdict) = &outcome.verdict {
-        text += &cut_text(verdict);
+        // The planner measures depths more strictly than `verify`.
+        text += &format!("{}\n", cut_words(verdict));
         text += &walls_text(verdict);
         text += &format!(
             "{:.2} % of the floor keeps more stock than the scallop height: {:.2} % fillet beside blades, \

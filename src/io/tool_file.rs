@@ -29,7 +29,7 @@ use std::fmt::Write;
 use super::InputError;
 use super::table::{Located, NumberRange, TomlDocument, TomlTable, degrees_text, quoted};
 use crate::error::ErrorCode;
-use crate::setup::cutting_data::{CuttingData, usual_feed, usual_spindle};
+use crate::setup::cutting_data::{CuttingData, PLUNGE_FEED_RANGE, SPINDLE_RANGE, usual_feed, usual_spindle};
 use crate::setup::{MissingRates, Tool, ToolAssembly};
 
 /// Maximum length in a setup, mm.
@@ -57,9 +57,9 @@ pub const FEED_PER_TOOTH: NumberRange = NumberRange::Between(1e-4, 5.0);
 /// The same of the cutting speed, m/min.
 pub const CUTTING_SPEED: NumberRange = NumberRange::Between(0.1, 1e4);
 /// The same of the plunge feed, mm/min.
-pub const PLUNGE_FEED: NumberRange = NumberRange::Between(0.01, 1e5);
+pub const PLUNGE_FEED: NumberRange = NumberRange::Between(PLUNGE_FEED_RANGE[0], PLUNGE_FEED_RANGE[1]);
 /// The same of the spindle speed, rev/min.
-pub const SPINDLE: NumberRange = NumberRange::Between(1.0, 1e6);
+pub const SPINDLE: NumberRange = NumberRange::Between(SPINDLE_RANGE[0], SPINDLE_RANGE[1]);
 
 /// Keys of a tool, each with its unit; empty where it has none.
 pub(super) const TOOL_KEYS: [(&str, &str); 19] = [

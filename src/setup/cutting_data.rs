@@ -149,15 +149,24 @@ impl CuttingData {
     }
 }
 
-/// Gives `tool` the rates that it lacks, as they are in a setup of this material.
+/// Gives `tool` the rates that it lacks, as they are in a setup of this material. One that would be out of
+/// its range is given from then on, at the end of the range: a setup without it would be refused.
 pub fn fill_rates(tool: &mut Tool, material: Option<&CuttingData>) {
-    let missing = tool.assembly.missing_rates;
+    let within = |rate: f64, [least, most]: [f64; 2], is_missing: &mut bool| {
+        let possible = rate.clamp(least, most);
+        *is_missing = possible == rate;
+        possible
+    };
+    let mut missing = tool.assembly.missing_rates;
     if missing.spindle {
-        tool.spindle = usual_spindle(tool.diameter, &tool.assembly, material);
+        let spindle = usual_spindle(tool.diameter, &tool.assembly, material);
+        tool.spindle = within(spindle, SPINDLE_RANGE, &mut missing.spindle);
     }
     if missing.plunge_feed {
-        tool.plunge_feed = usual_feed(tool.diameter, &tool.assembly, tool.spindle, material);
+        let feed = usual_feed(tool.diameter, &tool.assembly, tool.spindle, material);
+        tool.plunge_feed = within(feed, PLUNGE_FEED_RANGE, &mut missing.plunge_feed);
     }
+    tool.assembly.missing_rates = missing;
 }
 
 /// Spindle speed at which a cutter of `diameter` mm cuts at `speed` m/min, rev/min.
@@ -194,6 +203,11 @@ pub fn usual_feed(
         _ => DEFAULT_FEED,
     }
 }
+
+/// Least and greatest spindle speed that a tool may have, rev/min.
+pub const SPINDLE_RANGE: [f64; 2] = [1.0, 1e6];
+/// Least and greatest plunge feed, mm/min.
+pub const PLUNGE_FEED_RANGE: [f64; 2] = [0.01, 1e5];
 
 /// Feed rate and spindle speed of a tool that says nothing about them, in no known material.
 const DEFAULT_FEED: f64 = 300.0;
@@ -260,6 +274,7 @@ pub fn feed_by_engagement(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::setup::MissingRates;
 
     fn tool(teeth: Option<u32>) -> Tool {
         let mut tool = Tool {
@@ -274,6 +289,21 @@ mod tests {
         };
         tool.assembly.teeth = teeth;
         tool
+    }
+
+    #[test]
+    fn a_rate_beyond_its_range_is_given_at_the_end_of_the_range() {
+        let mut filled = tool(Some(6));
+        filled.assembly.cutting_speed = Some(400.0);
+        filled.assembly.missing_rates = MissingRates { plunge_feed: true, spindle: true };
+        filled.assembly.feed_per_tooth = Some(0.1);
+        fill_rates(&mut filled, None);
+        let both_missing = MissingRates { plunge_feed: true, spindle: true };
+        assert_eq!(filled.assembly.missing_rates, both_missing, "they follow from others");
+        filled.assembly.feed_per_tooth = Some(5.0);
+        fill_rates(&mut filled, None);
+        assert_eq!(filled.plunge_feed, PLUNGE_FEED_RANGE[1]);
+        assert_eq!(filled.assembly.missing_rates, MissingRates { plunge_feed: false, spindle: true });
     }
 
     #[test]

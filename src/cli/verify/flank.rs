@@ -43,10 +43,9 @@ pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Val
     map
 }
 
-/// How much of the floor a flank program cuts, and how deep, as a line of text.
-pub fn cut_text(verdict: &FlankVerdict) -> String {
-    let share = 1.0 - verdict.layer.uncut_share;
-    format!("cuts {:.1} % of the floor; deepest cut {:.1} mm\n", 100.0 * share, verdict.deepest_cut)
+/// How much of the floor a flank program cuts, in words.
+pub fn cut_words(verdict: &FlankVerdict) -> String {
+    format!("cuts {:.1} % of the floor", 100.0 * (1.0 - verdict.layer.uncut_share))
 }
 
 /// The text report of a flank program.
@@ -62,7 +61,7 @@ pub fn text(verdict: &FlankVerdict) -> String {
         verdict.time_estimate / 60.0,
         verdict.feed_time / 60.0
     );
-    text += &cut_text(verdict);
+    text += &format!("{}; deepest cut {:.1} mm\n", cut_words(verdict), verdict.deepest_cut);
     let uncovered = &verdict.uncovered;
     text += &format!(
         "floor: residual stock {:.2} mm on average, 95 % below {:.2} mm; more than allowed on {:.2} %: \
