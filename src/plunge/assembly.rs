@@ -33,14 +33,33 @@ impl From<DropReason> for DropCause {
 pub struct AssemblyRule<'a> {
     around: AssemblySurroundings<'a>,
     tool: &'a Tool,
+    /// Shank and holder, with what they pass on the way out.
     segments: Vec<AssemblySegment>,
+}
+
+/// `segments` and, above those that are wider than one further up, what they pass on the way out: a plunge
+/// leaves along its axis until the tip is out of the blank. Shanks come first.
+fn with_passages(segments: &[AssemblySegment]) -> Vec<AssemblySegment> {
+    let top = segments.last().map_or(0.0, |last| last.from + last.length);
+    let passage = |(index, segment): (usize, &AssemblySegment)| {
+        let [lower, upper] = segment.radii;
+        let widest = lower.max(upper);
+        let from = if lower > upper { segment.from } else { segment.from + segment.length };
+        let is_narrower = |above: &AssemblySegment| above.radii[0].min(above.radii[1]) < widest;
+        let narrows = lower > upper || segments[index + 1..].iter().any(is_narrower);
+        narrows.then_some(AssemblySegment { from, length: top - from, radii: [widest; 2], ..*segment })
+    };
+    let passages = segments.iter().enumerate().filter_map(passage);
+    let mut all: Vec<AssemblySegment> = segments.iter().copied().chain(passages).collect();
+    all.sort_by_key(|segment| segment.part == AssemblyPart::Holder);
+    all
 }
 
 impl<'a> AssemblyRule<'a> {
     /// The rule for `tool`; `None` where neither shank nor holder is given.
     pub fn new(tool: &'a Tool, finished: &'a FinishedPart, blank: &'a Blank, setup: &Setup) -> Option<Self> {
         let around = AssemblySurroundings::new(finished, setup).with_blank(blank);
-        let segments = tool.assembly.segments(tool.overhang);
+        let segments = with_passages(&tool.assembly.segments(tool.overhang));
         (!segments.is_empty()).then_some(Self { around, tool, segments })
     }
 
@@ -73,5 +92,44 @@ impl<'a> AssemblyRule<'a> {
             why,
             stick_out: by_length.then(|| self.around.stick_out(self.tool, pose, limit)).flatten(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_passes_a_height_on_the_way_out_is_the_widest_below_it() {
+        let shank = |from, length, radii| AssemblySegment { part: AssemblyPart::Shank, from, length, radii };
+        let holder = |from, length, radii| AssemblySegment {
+            part: AssemblyPart::Holder,
+            ..shank(from, length, radii)
+        };
+        let stepped = [
+            shank(20.0, 5.0, [6.0; 2]),
+            shank(25.0, 45.0, [5.5; 2]),
+            holder(70.0, 30.0, [14.0, 20.0]),
+            holder(100.0, 50.0, [25.0, 18.0]),
+            holder(150.0, 10.0, [22.0; 2]),
+        ];
+        let widest_at = |of: &[AssemblySegment], height: f64| {
+            let at = |segment: &AssemblySegment| {
+                let share = (height - segment.from) / segment.length;
+                let [lower, upper] = segment.radii;
+                (0.0..=1.0).contains(&share).then_some(lower + (upper - lower) * share)
+            };
+            of.iter().filter_map(at).fold(0.0, f64::max)
+        };
+        let passing = with_passages(&stepped);
+        let mut passed: f64 = 0.0;
+        for tenths in 200..1600 {
+            let height = f64::from(tenths) / 10.0;
+            passed = passed.max(widest_at(&stepped, height));
+            assert!((widest_at(&passing, height) - passed).abs() < 1e-9, "{passed} at {height}");
+        }
+        let widening = [shank(20.0, 5.0, [4.0; 2]), holder(25.0, 30.0, [10.0, 20.0])];
+        assert_eq!(with_passages(&widening), widening, "nothing is passed that is not there");
+        assert!(passing.is_sorted_by_key(|segment| segment.part), "the shank first");
     }
 }

@@ -1,9 +1,12 @@
 //! Random assemblies on the samples: no program brings a shank or holder near, by points of the wheel.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use vanecut::flank::choice::choose_tool;
+use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::part_file::{read_part, read_part_with};
+use vanecut::io::read_setup_bytes;
 use vanecut::io::tool_library::flank_cutters;
 use vanecut::job::flank::{FlankJob, FlankRequest};
 use vanecut::job::{PlanRequest, resolve, run};
@@ -12,6 +15,7 @@ use vanecut::monitor::Monitor;
 use vanecut::part::Impeller;
 use vanecut::setup::{AxisPolicy, FlankStrategy, Setup};
 use vanecut::toolpath::ClProgram;
+use vanecut::verify::verify;
 
 use super::sampled_tool::{Dice, WheelPoints, collisions, with_random_assembly, with_wild_assembly};
 
@@ -45,6 +49,23 @@ fn check_policies(name: &str, seed: u64) {
 #[test]
 fn every_policy_keeps_random_assemblies_clear() {
     check_policies("pump6", 8);
+}
+
+#[test]
+fn a_shank_that_is_thinner_above_is_clear_on_the_way_out() {
+    let part = Arc::new(sample("impeller9x9"));
+    let text = "[[tool]]\nnumber = 21\ndiameter = 12.7\ninsert_width = 6.0\noverhang = 70.0\n\
+                shank = [[12, 5], [11, 45]]\n";
+    let setup = read_setup_bytes("s.toml", text.as_bytes()).expect("a setup");
+    let policy = AxisPolicy::Minimal;
+    let outcome =
+        run(&PlanRequest { part, setup, policy, compare: false, field_cells: 64 }, &Monitor::default());
+    let outcome = outcome.expect("a plan");
+    let text = write_apt(&ClProgram::of_plan("9x9", &outcome.after.plan));
+    let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("its own program");
+    let verdict = verify(&outcome.workpiece, &outcome.setup, &program, &Monitor::default()).expect("judged");
+    let found: Vec<_> = verdict.faults.iter().filter(|fault| fault.kind.is_of_assembly()).collect();
+    assert!(found.is_empty() && verdict.cuts.len() > 300, "{} cuts, {found:?}", verdict.cuts.len());
 }
 
 #[test]
@@ -96,7 +117,7 @@ fn check_wheel(file: &str, blades: Option<usize>) {
     let points = WheelPoints::from_workpiece(&workpiece);
     let chosen = resolve(&setup, &workpiece).expect("tools").setup;
     let ball = choose_tool(&workpiece, &setup, flank_cutters()).expect("a tool").tool;
-    let part = std::sync::Arc::new(part);
+    let part = Arc::new(part);
     let mut planned = 0;
     for seed in 0..2 {
         let mut dice = Dice::new(seed);
