@@ -288,7 +288,11 @@ fn check_result(outcome: &PlanOutcome, report: &PlungeReport, name: &str) -> Res
     let faults = &report.verdict.faults;
     if let Some(first) = faults.first() {
         let counts = count_by_kind(faults);
-        let help = format!("in all {counts}: plan with --axis minimal, or use smaller cutters or steps");
+        let cure = match faults.iter().all(|fault| fault.kind.is_of_assembly()) {
+            true => "use a thinner shank, a longer overhang or smaller clearances",
+            false => "plan with --axis minimal, or use smaller cutters or steps",
+        };
+        let help = format!("in all {counts}: {cure}");
         let failure = Failure::work(ErrorCode::ProgramFaults, first.to_string(), help);
         return Err(failure.at(format!("{name}:{}", first.line)));
     }

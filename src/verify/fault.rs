@@ -55,6 +55,11 @@ pub enum FaultKind {
 }
 
 impl FaultKind {
+    /// Whether a shank or holder is in the way.
+    pub fn is_of_assembly(self) -> bool {
+        matches!(self, Self::ShankCollision | Self::HolderCollision | Self::HolderInStock)
+    }
+
     /// Noun phrase for `count` faults of this kind.
     pub fn phrase(self, count: usize) -> &'static str {
         let (one, many) = match self {
@@ -64,9 +69,11 @@ impl FaultKind {
             Self::RapidClearance => ("rapid too near to the blank", "rapids too near to the blank"),
             Self::RapidInStock => ("rapid through stock", "rapids through stock"),
             Self::ToolInBlank => ("rapid with the tool in the blank", "rapids with the tool in the blank"),
-            Self::ShankCollision => ("move with the shank in the part", "moves with the shank in the part"),
+            Self::ShankCollision => {
+                ("move with the shank too near to the part", "moves with the shank too near to the part")
+            }
             Self::HolderCollision => {
-                ("move with the holder in the part", "moves with the holder in the part")
+                ("move with the holder too near to the part", "moves with the holder too near to the part")
             }
             Self::HolderInStock => ("move with the holder in stock", "moves with the holder in stock"),
             Self::AxisTilt => ("axis beyond the machine's tilt", "axes beyond the machine's tilt"),

@@ -71,6 +71,39 @@ fn a_plan_that_is_out_of_date_is_exported_only_when_confirmed() {
     assert!(window.state().state().out_of_date() && !path.exists(), "it was for another setup");
 }
 
+/// Shanks and holders are judged in the program as it is written, which the plan does not tell.
+#[test]
+fn a_shank_in_the_way_is_asked_about_before_a_plunge_program_is_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("p.apt");
+    let (engine, _) = fake::engine();
+    let engine = fake::with_changed_plans(engine, |outcome| {
+        for tool in &mut outcome.setup.tools {
+            tool.assembly.shank = vec![[90.0, tool.overhang - 10.0]];
+        }
+    });
+    let mut window = with_sample(engine);
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, ONE_CHANNEL, path.clone());
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(window.query_all_by_label_contains("the shank of tool 1 comes within").count() > 0);
+    assert!(!path.exists(), "not before that is answered");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(!path.exists());
+    // Nor for several channels.
+    window.state_mut().file_chosen(&ctx, Purpose::ExportCl { channels: 2 }, path.clone());
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(!path.exists());
+    window.get_by_label("Export anyway").click();
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(path.exists(), "it is accepted");
+}
+
 /// A calculation that ends while the question is open replaces the plan that it is about: what is written is
 /// what the question names, and no button takes the place of another.
 #[test]

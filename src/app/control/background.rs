@@ -422,7 +422,7 @@ impl App {
                 self.write(WriteTask::Setup(path, Box::new(self.state.document.edited.setup.clone())));
             }
             Purpose::ExportCl { channels } => {
-                if let Some(source) = self.shown_plunges(channels) {
+                if let Some(source) = self.shown_plunges(channels, on_faults) {
                     self.write(WriteTask::Cl(path, source));
                 }
             }

@@ -40,8 +40,8 @@ pub(in crate::app) struct ReleaseQuestion {
     channels: usize,
     concerns: Vec<String>,
     words: &'static ReleaseWords,
-    /// The flank plan whose program of several channels was judged, if it is about its faults.
-    judged: Option<Arc<FlankOutcome>>,
+    /// The plans whose program was judged, if it is about its faults as it is written.
+    judged: Option<ExportedPlans>,
     recalculation: Recalculation,
     /// The plans that it was about at first.
     plans: ExportedPlans,
@@ -172,12 +172,12 @@ impl App {
         }
     }
 
-    /// Asks about a flank program of several channels that has faults as it would be written.
+    /// Asks about a program that has faults as it would be written.
     pub(in crate::app) fn ask_about_faults(&mut self, purpose: Purpose, path: PathBuf, faults: &[Fault]) {
         let channels = self.channels_of(purpose);
         self.ask_about(purpose, path, channels, fault_lines(faults), &release::PROGRAM);
         if let Some(question) = &mut self.release {
-            question.judged.clone_from(&self.state.results.flank);
+            question.judged = Some(ExportedPlans::of(&self.state.results));
         }
     }
 
@@ -254,8 +254,7 @@ impl App {
             }
             ReleaseAnswer::Export => {
                 // Another plan that took its place meanwhile is judged and asked about by itself.
-                let is_same = |(judged, now): (&Arc<FlankOutcome>, _)| Arc::ptr_eq(judged, now);
-                let is_judged = judged.as_ref().zip(self.state.results.flank.as_ref()).is_some_and(is_same);
+                let is_judged = judged.is_some_and(|judged| judged.are_same(&plans));
                 let on_faults = if is_judged { OnFaults::Write } else { OnFaults::Ask };
                 self.use_file(ui.ctx(), purpose, path, on_faults);
             }
@@ -307,9 +306,9 @@ impl App {
     }
 
     /// The shown plunge plan as a program of that number of channels.
-    pub(in crate::app) fn shown_plunges(&self, channels: usize) -> Option<PlungeSource> {
+    pub(in crate::app) fn shown_plunges(&self, channels: usize, on_faults: OnFaults) -> Option<PlungeSource> {
         let ShownPlan { planned, policy } = self.state.last_whole_plan(self.state.look.side)?;
-        Some(PlungeSource { planned: Arc::clone(planned), policy, channels })
+        Some(PlungeSource { planned: Arc::clone(planned), policy, channels, on_faults })
     }
 
     /// The flank plan as a program of that number of channels, in the order of the setup.
@@ -365,7 +364,7 @@ impl App {
                 (ProgramSource::Flank(FlankSource { channels, ..flank }), files)
             }
             Operation::Roughing | Operation::Program => {
-                let Some(plunges) = self.shown_plunges(1) else { return };
+                let Some(plunges) = self.shown_plunges(1, OnFaults::Ask) else { return };
                 let (channels, files) = exported.of_plunges(&plunges.planned, plunges.policy);
                 (ProgramSource::Plunges(PlungeSource { channels, ..plunges }), files)
             }
@@ -433,7 +432,7 @@ impl App {
         let Some(question) = self.nc_dialog.question() else { return };
         let source = match operation {
             Operation::Flank => self.flank_source(question.channels, on_faults).map(ProgramSource::Flank),
-            _ => self.shown_plunges(question.channels).map(ProgramSource::Plunges),
+            _ => self.shown_plunges(question.channels, on_faults).map(ProgramSource::Plunges),
         };
         let Some(source) = source else { return };
         let target = question.target.clone();

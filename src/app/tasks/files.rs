@@ -35,7 +35,7 @@ use crate::app::model::planned::DisplayPlan;
 use crate::app::model::solid::{SolidSource, StockMoment};
 use crate::app::tasks::documents::{SheetTask, assessment, sheet};
 use crate::app::tasks::programs::{
-    FlankSource, NcTask, PlungeSource, ProgramSource, UnwrittenProgram, cl_text, flank_text, nc_text,
+    FlankSource, NcTask, PlungeSource, ProgramSource, UnwrittenProgram, flank_text, nc_text, plunge_text,
 };
 use crate::app::tasks::solid::solid_bytes;
 
@@ -324,10 +324,12 @@ impl WriteTask {
     }
 
     /// Whether its program is checked first, which can be cancelled: that of a flank plan in several
-    /// channels, which takes as long as to plan it, and that of a setup sheet. Everything else takes a
-    /// moment.
+    /// channels, which takes as long as to plan it, one with shanks or holders, and that of a setup sheet.
+    /// Everything else takes a moment.
     pub fn is_checked_first(&self) -> bool {
         match self {
+            Self::Cl(_, source) => source.is_judged(),
+            Self::Nc(_, NcTask { source: ProgramSource::Plunges(source), .. }) => source.is_judged(),
             Self::Flank(_, source) => source.channels > 1,
             Self::Nc(_, NcTask { source: ProgramSource::Flank(source), .. }) => source.channels > 1,
             Self::Sheet(_, SheetTask { source: ProgramSource::Flank(source), .. }) => source.channels > 1,
@@ -364,7 +366,12 @@ fn write_file(task: &WriteTask, monitor: &Monitor) -> Result<Written, WriteError
             let text = if is_fusion { fusion_for(path, library)?.text } else { write_toml(library) };
             (path, text.into_bytes())
         }
-        WriteTask::Cl(path, content) => (path, cl_text(content).into_bytes()),
+        WriteTask::Cl(path, source) => {
+            let purpose = Purpose::ExportCl { channels: source.channels };
+            let text = plunge_text(source, monitor)
+                .map_err(|unwritten| WriteError::of_program(unwritten, purpose, path))?;
+            (path, text.into_bytes())
+        }
         WriteTask::Nc(path, content) => {
             let operation = content.source.operation();
             let purpose = Purpose::ExportNc { operation, dialect: content.target.dialect };

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Repaint;
-use super::programs::{PlungeSource, cl_text};
+use super::programs::{OnFaults, PlungeSource, cl_text};
 use crate::app::model::listing::ProgramListing;
 use crate::app::model::state::AppState;
 use crate::app::model::timeline_program::TimelineProgram;
@@ -40,7 +40,7 @@ fn listing_of(listed: &TimelineProgram) -> Arc<ProgramListing> {
     let text = match listed {
         TimelineProgram::Plunges(planned, policy, channels) => {
             let (planned, policy, channels) = (Arc::clone(planned), *policy, *channels);
-            cl_text(&PlungeSource { planned, policy, channels })
+            cl_text(&PlungeSource { planned, policy, channels, on_faults: OnFaults::Write })
         }
         TimelineProgram::Flank(run) => write_apt(&run.program().0),
         TimelineProgram::Checked(checked) => return Arc::clone(&checked.listing),

@@ -10,7 +10,7 @@ use crate::app::model::planned::DisplayPlan;
 use crate::app::model::post_target::PostTarget;
 use crate::error::UserError;
 use crate::io::InputError;
-use crate::io::apt::write_apt;
+use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::flank_file::stored_program;
 use crate::io::machine_file::read_machine;
 use crate::io::nc::read_post;
@@ -20,9 +20,9 @@ use crate::job::post::{PostFault, PostRequest, PostedProgram, post_program};
 use crate::machine::{BlankSize, ChannelCalls, INSTEAD_OF_CALLS};
 use crate::monitor::{Cancelled, Monitor};
 use crate::report::sheet::ProgramFile;
-use crate::setup::{AxisPolicy, ChannelSetup};
+use crate::setup::{AxisPolicy, ChannelSetup, Tool};
 use crate::toolpath::ClProgram;
-use crate::verify::Fault;
+use crate::verify::{Fault, VerifyError, verify};
 
 /// What to do instead of a subprogram, in the words of the dialog.
 const INSTEAD_OF_SUBPROGRAM: &str = "export all channels, without Subprogram";
@@ -57,6 +57,8 @@ pub struct PlungeSource {
     pub policy: AxisPolicy,
     /// Number of channels that it mills, from the first on.
     pub channels: usize,
+    /// What is done with faults.
+    pub on_faults: OnFaults,
 }
 
 impl PlungeSource {
@@ -64,10 +66,39 @@ impl PlungeSource {
     pub(super) fn plan(&self) -> ProgramPlan {
         ProgramPlan::Plunges(Arc::downgrade(&self.planned), self.policy, self.channels)
     }
+
+    /// Whether it is judged before it is written: shanks and holders are, of tools that have any.
+    pub(super) fn is_judged(&self) -> bool {
+        let has_any = |tool: &Tool| !tool.assembly.segments(tool.overhang).is_empty();
+        self.on_faults == OnFaults::Ask && self.planned.outcome.setup.tools.iter().any(has_any)
+    }
+
+    /// The program, to be written: with a shank or holder in the way only once that is accepted. Other faults
+    /// of a plunge plan are known from it.
+    ///
+    /// # Errors
+    /// When `monitor` is cancelled, or nobody was asked about a fault.
+    fn accepted_program(&self, monitor: &Monitor) -> Result<ClProgram, UnwrittenProgram> {
+        let faults = if self.is_judged() { self.assembly_faults(monitor)? } else { Vec::new() };
+        if faults.is_empty() { Ok(plunge_program(self)) } else { Err(UnwrittenProgram::Faulty(faults)) }
+    }
+
+    /// What `verify` finds of shanks and holders in one channel: the others repeat it.
+    fn assembly_faults(&self, monitor: &Monitor) -> Result<Vec<Fault>, UnwrittenProgram> {
+        let outcome = &self.planned.outcome;
+        let program = outcome.program_for_channels(self.planned.result(self.policy), 1, monitor)?;
+        let written = read_apt_bytes("the program", write_apt(&program).as_bytes())?;
+        match verify(&outcome.workpiece, &outcome.setup, &written, &monitor.silent()) {
+            Ok(verdict) => {
+                Ok(verdict.faults.into_iter().filter(|fault| fault.kind.is_of_assembly()).collect())
+            }
+            Err(VerifyError::Cancelled(cancelled)) => Err(cancelled.into()),
+            Err(VerifyError::Program(fault)) => Ok(vec![fault]),
+        }
+    }
 }
 
-/// What is done where a flank program of several channels is found to have faults: those of one channel are
-/// known before it is written.
+/// What is done where a program is found to have faults as it is written that are not known from its plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OnFaults {
     /// It is not written, and the faults are asked about.
@@ -232,7 +263,7 @@ pub struct NcTask {
     pub target: PostTarget,
 }
 
-/// A plunge plan as it is exported.
+/// A plunge plan as it is shown.
 pub fn cl_text(content: &PlungeSource) -> String {
     write_apt(&plunge_program(content))
 }
@@ -246,6 +277,14 @@ pub(super) fn plunge_program(content: &PlungeSource) -> ClProgram {
     outcome
         .program_for_channels(result, channels, &Monitor::default())
         .unwrap_or_else(|Cancelled| ClProgram::default())
+}
+
+/// A plunge plan as it is exported, once that is accepted.
+///
+/// # Errors
+/// When cancelled, or when the program has faults that nobody was asked about.
+pub(super) fn plunge_text(source: &PlungeSource, monitor: &Monitor) -> Result<String, UnwrittenProgram> {
+    Ok(write_apt(&source.accepted_program(monitor)?))
 }
 
 /// NC code of a program for the file `path`, and what to say of it.
@@ -277,7 +316,7 @@ fn post(
     let (mut program, workpiece, setup) = match &content.source {
         ProgramSource::Plunges(source) => {
             let outcome = &source.planned.outcome;
-            (plunge_program(source), &outcome.workpiece, &outcome.setup)
+            (source.accepted_program(monitor)?, &outcome.workpiece, &outcome.setup)
         }
         ProgramSource::Flank(source) => {
             let FlankOutcome { workpiece, setup, .. } = &*source.outcome;
