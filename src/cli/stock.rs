@@ -11,7 +11,7 @@ use super::stdout::{MAX_SHOWN, print_stdout};
 use super::watch::run_with_progress;
 use super::{Failure, open};
 use crate::error::ErrorCode;
-use crate::io::apt::{read_apt_bytes, write_apt};
+use crate::io::apt::{as_written, read_apt_bytes};
 use crate::io::blank_file::{is_stl, read_blank};
 use crate::io::flank_file::{is_flank, read_flank_bytes};
 use crate::io::gltf::GltfScene;
@@ -137,7 +137,7 @@ fn read_program(path: &Path) -> Result<(String, ClProgram, Option<Setup>), Failu
     if program.moves.is_empty() {
         return Err(Failure::input(ErrorCode::NothingMoves, "has no moves", "plan it again").at(name));
     }
-    let program = read_apt_bytes(&name, write_apt(&program).as_bytes())?;
+    let program = as_written(&name, &program)?;
     Ok((name, program, Some(setup)))
 }
 

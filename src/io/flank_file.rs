@@ -221,12 +221,31 @@ pub fn shown_walls(plan: &FlankPlan, verdict: Option<&FlankVerdict>) -> Vec<Show
     shown.map(|((wall, region), map)| ShownWall { wall, region, map: map.clone() }).collect()
 }
 
+/// A point as the numbers of a file, mm.
+fn point_numbers(point: &Point) -> [f64; 3] {
+    rounded(point.coords.into(), STEPS_PER_MM)
+}
+
+/// A unit axis as the numbers of a file.
+fn axis_numbers(axis: &Vector) -> [f64; 3] {
+    rounded((*axis).into(), AXIS_STEPS)
+}
+
+/// A point as it is read again.
+fn stored_point(point: &Point) -> Point {
+    stored::point(point_numbers(point))
+}
+
+/// A unit axis as it is read again.
+fn stored_axis(axis: &Vector) -> Vector {
+    stored::unit_axis(axis_numbers(axis)).unwrap_or(*axis)
+}
+
 /// A move as a file of it holds it.
 fn stored_move(m: &FlankMove) -> FlankMove {
-    let (tip, axis) = (rounded(m.tip.coords.into(), STEPS_PER_MM), rounded(m.axis.into(), AXIS_STEPS));
     FlankMove {
-        tip: stored::point(tip),
-        axis: stored::unit_axis(axis).unwrap_or(m.axis),
+        tip: stored_point(&m.tip),
+        axis: stored_axis(&m.axis),
         feed_mm_per_min: (m.feed_mm_per_min * FEED_STEPS).round() / FEED_STEPS,
         ..*m
     }
@@ -235,13 +254,9 @@ fn stored_move(m: &FlankMove) -> FlankMove {
 /// The same of the plunges above the shroud.
 fn stored_opening(opening: &FlankOpening) -> FlankOpening {
     let plunge = |(retract, tip, axis): &(Point, Point, Vector)| {
-        let [retract, tip] = [retract, tip].map(|p| stored::point(rounded(p.coords.into(), STEPS_PER_MM)));
-        (retract, tip, stored::unit_axis(rounded((*axis).into(), AXIS_STEPS)).unwrap_or(*axis))
+        (stored_point(retract), stored_point(tip), stored_axis(axis))
     };
-    let position = |(tip, axis): &(Point, Vector)| {
-        let tip = stored::point(rounded(tip.coords.into(), STEPS_PER_MM));
-        (tip, stored::unit_axis(rounded((*axis).into(), AXIS_STEPS)).unwrap_or(*axis))
-    };
+    let position = |(tip, axis): &(Point, Vector)| (stored_point(tip), stored_axis(axis));
     FlankOpening {
         tool: opening.tool.clone(),
         plunges: opening.plunges.iter().map(plunge).collect(),
@@ -330,20 +345,16 @@ pub fn write_flank(
             .moves
             .iter()
             .map(|m| {
-                let (tip, axis) =
-                    (rounded(m.tip.coords.into(), STEPS_PER_MM), rounded(m.axis.into(), AXIS_STEPS));
+                let (tip, axis) = (point_numbers(&m.tip), axis_numbers(&m.axis));
                 (m.kind, m.layer, m.region, m.along_wall, tip, axis)
             })
             .collect(),
         feeds: plan.moves.iter().map(|m| (m.feed_mm_per_min * FEED_STEPS).round() / FEED_STEPS).collect(),
         opening: plan.opening.as_ref().map(|opening| {
             let plunge = |(retract, tip, axis): &(Point, Point, Vector)| {
-                let [retract, tip] = [retract, tip].map(|p| rounded(p.coords.into(), STEPS_PER_MM));
-                [retract, tip, rounded((*axis).into(), AXIS_STEPS)]
+                [point_numbers(retract), point_numbers(tip), axis_numbers(axis)]
             };
-            let position = |(tip, axis): &(Point, Vector)| {
-                [rounded(tip.coords.into(), STEPS_PER_MM), rounded((*axis).into(), AXIS_STEPS)]
-            };
+            let position = |(tip, axis): &(Point, Vector)| [point_numbers(tip), axis_numbers(axis)];
             OpeningFile {
                 tool: opening.tool.number,
                 plunges: opening.plunges.iter().map(plunge).collect(),

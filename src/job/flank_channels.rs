@@ -2,10 +2,11 @@
 
 use super::JobError;
 use super::flank::{FlankJob, FlankOutcome, FlankRequest};
-use super::flank_check::{WheelPlanner, as_written};
+use super::flank_check::{NAME, WheelPlanner};
 use crate::flank::FlankPlan;
 use crate::flank::channels::FlankChannels;
 use crate::flank::path::Times;
+use crate::io::apt::as_written;
 use crate::machine::MachineTime;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Workpiece;
@@ -144,7 +145,7 @@ impl FlankOutcome {
             let one = plan.in_one_channel(&part.name);
             let FlankChannels { program, origins } =
                 one.in_channels(part, blank, &self.setup, channels, monitor)?;
-            let Some(written) = as_written(&program) else { break (program, vec![unreadable()], None) };
+            let Ok(written) = as_written(NAME, &program) else { break (program, vec![unreadable()], None) };
             let verdict = match verifier.verdict(&written, monitor) {
                 Err(VerifyError::Cancelled(cancelled)) => return Err(cancelled),
                 Err(VerifyError::Program(fault)) => break (program, vec![fault], None),

@@ -6,17 +6,15 @@ use crate::flank::channels::{FlankChannel, FlankChannels};
 use crate::flank::fault_removal::MoveFault;
 use crate::flank::path::Times;
 use crate::flank::{FlankError, FlankMove, FlankOpening, FlankPlan, MoveKind, UncutReason};
-use crate::io::apt::{read_apt_bytes, write_apt};
+use crate::io::apt::as_written;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Workpiece;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::ClProgram;
 use crate::verify::{Fault, FaultKind, FlankVerdict, FlankVerifier, VerifyError};
 
-/// A program, written and read back; `None` if it cannot be read.
-pub(super) fn as_written(program: &ClProgram) -> Option<ClProgram> {
-    read_apt_bytes("flank.apt", write_apt(program).as_bytes()).ok()
-}
+/// Name of the program in messages.
+pub(super) const NAME: &str = "flank.apt";
 
 /// What a planner knows of a program of several channels.
 pub(super) struct WheelPlanner<'a> {
@@ -126,7 +124,7 @@ impl<'a> PlanCheck<'a> {
         program: &ClProgram,
         monitor: &Monitor,
     ) -> Result<Option<FlankVerdict>, Cancelled> {
-        let Some(written) = as_written(program) else { return Ok(None) };
+        let Ok(written) = as_written(NAME, program) else { return Ok(None) };
         match self.verifier.verdict(&written, &monitor.silent()) {
             Err(VerifyError::Cancelled(cancelled)) => Err(cancelled),
             verdict => Ok(verdict.ok()),
@@ -176,7 +174,7 @@ fn faults_as_written(
         let why = UncutReason::new(message);
         (0..count).map(|index| MoveFault { index, why, overcut: None, overhang: None }).collect()
     };
-    let Some(program) = as_written(&written.program()) else {
+    let Ok(program) = as_written(NAME, &written.program()) else {
         return Ok(all("its program cannot be read back"));
     };
     judged.faults = match verifier.faults(&program, monitor) {
@@ -199,7 +197,7 @@ fn faults_of_channels(
     setup: &Setup,
     monitor: &Monitor,
 ) -> Result<JudgedChannels, Cancelled> {
-    let Some(program) = as_written(&several.program) else { return Ok(JudgedChannels::default()) };
+    let Ok(program) = as_written(NAME, &several.program) else { return Ok(JudgedChannels::default()) };
     let found = match verifier.faults(&program, monitor) {
         Ok(faults) => faults,
         Err(VerifyError::Cancelled(cancelled)) => return Err(cancelled),

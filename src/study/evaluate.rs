@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::result::{FIGURES, PROGRAM_VERSION, RunResult, RunStatus};
 use super::runs::{RESULT_VERSION, Run, RunInput, RunList};
 use crate::error::{ErrorCode, UserError};
-use crate::io::apt::{read_apt_bytes, write_apt};
+use crate::io::apt::as_written;
 use crate::job::{self, FIELD_CELLS, JobError, PlanOutcome, PlanRequest};
 use crate::monitor::{Cancelled, Monitor};
 use crate::setup::Setup;
@@ -77,8 +77,7 @@ fn plan(part: Arc<crate::part::Impeller>, setup: Setup, monitor: &Monitor) -> Re
 /// Takes the figures from the program as it would be written, as `vanecut plan` does.
 fn judge(outcome: &PlanOutcome, result: &mut RunResult, monitor: &Monitor) -> Result<(), UserError> {
     let (part, plan) = (&outcome.workpiece.part, &outcome.after.plan);
-    let text = write_apt(&ClProgram::of_plan(&part.name, plan));
-    let program = read_apt_bytes("", text.as_bytes())?;
+    let program = as_written("", &ClProgram::of_plan(&part.name, plan))?;
     let report =
         report_plunges(&outcome.workpiece, &outcome.setup, &program, FIELD_CELLS, &monitor.silent())?;
     let (summary, faults) = (&report.summary, &report.verdict.faults);

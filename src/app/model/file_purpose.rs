@@ -102,17 +102,7 @@ impl Purpose {
             Self::OpenPart | Self::LocatePart | Self::OpenProject | Self::SaveProject => FilePlace::Part,
             Self::OpenSetup | Self::SaveSetup => FilePlace::Setups,
             Self::OpenMachine | Self::OpenLibrary | Self::SaveLibrary | Self::OpenPost => FilePlace::Shop,
-            Self::OpenBlank
-            | Self::OpenStudy
-            | Self::ExportCl { .. }
-            | Self::ExportFlank { .. }
-            | Self::ExportNc { .. }
-            | Self::ExportSheet { .. }
-            | Self::SaveAssessment
-            | Self::ExportScene { .. }
-            | Self::ExportStock { .. }
-            | Self::CheckProgram
-            | Self::SavePicture => FilePlace::Work,
+            _ => FilePlace::Work,
         }
     }
 

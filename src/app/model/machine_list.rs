@@ -42,8 +42,8 @@ impl MachineList {
         missing.map(str::to_owned).into_iter().chain(known).collect()
     }
 
-    /// Label of a machine in lists: its name; its file name before it if it is read from a
-    /// machine file, as copies of a machine share its name.
+    /// Label of a machine in lists: its name, after its file name where it is read from a machine file, as
+    /// copies of a machine share a name.
     pub fn label_of(&self, machine: &str) -> String {
         let file = Path::new(machine).file_name();
         let file = file.map_or_else(|| machine.into(), |file| file.to_string_lossy());

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::programs::{ProgramSource, UnwrittenProgram, plunge_program};
 use crate::error::UserError;
 use crate::io::InputError;
-use crate::io::apt::{read_apt_bytes, write_apt};
+use crate::io::apt::as_written;
 use crate::job::FIELD_CELLS;
 use crate::job::assess::AssessedPart;
 use crate::monitor::Monitor;
@@ -49,8 +49,7 @@ pub(super) fn sheet(
     };
     let outcome = &source.planned.outcome;
     let shown = source.planned.result(source.policy);
-    let program = write_apt(&plunge_program(source));
-    let written = read_apt_bytes("the program", program.as_bytes())?;
+    let written = as_written("the program", &plunge_program(source))?;
     let report = report_plunges(&outcome.workpiece, &outcome.setup, &written, FIELD_CELLS, monitor);
     let report = report.map_err(|error| match error {
         VerifyError::Program(error) => UnwrittenProgram::Failed(fault(error.into())),

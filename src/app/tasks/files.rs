@@ -152,7 +152,7 @@ pub fn place_of(path: &Path) -> FilePlace {
 
 /// Whether opening a file closes the project: all but setups, programs and results of studies do.
 pub fn closes_project(path: &Path) -> bool {
-    !(is_study(path) || is_program(path) || is_setup(path))
+    place_of(path) == FilePlace::Part
 }
 
 /// What the window opens.

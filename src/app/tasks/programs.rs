@@ -10,7 +10,7 @@ use crate::app::model::planned::DisplayPlan;
 use crate::app::model::post_target::PostTarget;
 use crate::error::UserError;
 use crate::io::InputError;
-use crate::io::apt::{read_apt_bytes, write_apt};
+use crate::io::apt::{as_written, write_apt};
 use crate::io::flank_file::stored_program;
 use crate::io::machine_file::read_machine;
 use crate::io::nc::read_post;
@@ -87,7 +87,7 @@ impl PlungeSource {
     fn assembly_faults(&self, monitor: &Monitor) -> Result<Vec<Fault>, UnwrittenProgram> {
         let outcome = &self.planned.outcome;
         let program = outcome.program_for_channels(self.planned.result(self.policy), 1, monitor)?;
-        let written = read_apt_bytes("the program", write_apt(&program).as_bytes())?;
+        let written = as_written("the program", &program)?;
         match verify(&outcome.workpiece, &outcome.setup, &written, &monitor.silent()) {
             Ok(verdict) => {
                 Ok(verdict.faults.into_iter().filter(|fault| fault.kind.is_of_assembly()).collect())

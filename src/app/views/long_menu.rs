@@ -4,9 +4,9 @@ use egui::{TextWrapMode, Ui};
 
 use super::scroll_area;
 
-/// Room between the items of a menu and its scroll bar, points.
+/// Space between the items of a menu and its scroll bar, points.
 const BESIDE_BAR: f32 = 4.0;
-/// Room below a menu, points.
+/// Space below a menu, points.
 const BELOW_MENU: f32 = 4.0;
 /// Height of the window from which on every menu fits, points.
 const ALL_FIT: f32 = 720.0;
@@ -28,7 +28,7 @@ pub fn long_content(ui: &mut Ui, name: &str, top: f32, content: impl FnOnce(&mut
         content(ui);
         return;
     }
-    let room = screen.bottom() - top - BELOW_MENU - ui.spacing().menu_margin.sum().y;
+    let height = screen.bottom() - top - BELOW_MENU - ui.spacing().menu_margin.sum().y;
     // Without the pointer on it, too, the bar says that there is more.
     let scroll = &mut ui.spacing_mut().scroll;
     (scroll.dormant_handle_opacity, scroll.dormant_background_opacity) =
@@ -38,7 +38,7 @@ pub fn long_content(ui: &mut Ui, name: &str, top: f32, content: impl FnOnce(&mut
     // The menu is as wide as its items: none breaks for the bar.
     ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
     // A popup is as high as its content was in the frame before.
-    let area = scroll_area(room);
+    let area = scroll_area(height);
     let area = if has_opened(ui, name) { area.vertical_scroll_offset(0.0) } else { area };
     area.show(ui, content);
 }

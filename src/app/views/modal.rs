@@ -45,15 +45,15 @@ pub fn is_confirmed(ctx: &Context) -> bool {
     !is_taken && ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter))
 }
 
-/// Room above and below a dialog with its margins, points.
+/// Least space around the content of a dialog, both sides together, points.
 const AROUND: f32 = 40.0;
 
-/// Draws the content of a dialog that is `width` points wide, less where the window is: it scrolls where the
-/// window is too low for it.
+/// Draws the content of a dialog that is `width` points wide, or as wide as the window allows. It scrolls
+/// where the window is too low for it.
 pub fn fitting<R>(ui: &mut Ui, width: f32, content: impl FnOnce(&mut Ui) -> R) -> R {
-    let room = ui.ctx().content_rect().size() - Vec2::splat(AROUND);
-    ui.set_width(width.min(room.x));
-    scroll_area(room.y).show(ui, content).inner
+    let most = ui.ctx().content_rect().size() - Vec2::splat(AROUND);
+    ui.set_width(width.min(most.x));
+    scroll_area(most.y).show(ui, content).inner
 }
 
 /// A question with one button for each answer.

@@ -22,8 +22,17 @@ pub enum Typed {
     Unchanged,
     /// It was taken.
     Taken,
-    /// It was not, for this reason.
-    Refused(String),
+    /// It was not.
+    Refused(Refusal),
+}
+
+/// Why a text was not taken.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Refusal {
+    /// The reason, with what to do.
+    pub reason: String,
+    /// The end of the reason that gives the limit, where the value is beyond one.
+    pub limit: Option<String>,
 }
 
 /// The numbers that a field takes.
@@ -44,18 +53,22 @@ pub struct TypedLimits<'a> {
 
 impl TypedLimits<'_> {
     /// The value of `text`, or why it is not taken.
-    fn value(&self, text: &str) -> Result<f64, String> {
-        let Some(value) = self.units.parse(text, self.quantity) else {
-            return Err(format!("“{}” is not {}", text.trim(), what_it_is(self.quantity)));
-        };
+    fn value(&self, text: &str) -> Result<f64, Refusal> {
         let typed = text.trim();
+        let Some(value) = self.units.parse(text, self.quantity) else {
+            let reason = format!("“{typed}” is not {}", what_it_is(self.quantity));
+            return Err(Refusal { reason, limit: None });
+        };
+        let beyond = |how: &str, limit: String| {
+            Err(Refusal { reason: format!("{typed} is too {how}: {limit}"), limit: Some(limit) })
+        };
         if value > *self.range.end() {
             let most = (self.show)(*self.range.end());
-            return Err(format!("{typed} is too much: at most {most}{}", self.why_most));
+            return beyond("much", format!("at most {most}{}", self.why_most));
         }
         if value < *self.range.start() {
             let least = (self.show)(*self.range.start());
-            return Err(format!("{typed} is too little: at least {least}{}", self.why_least));
+            return beyond("little", format!("at least {least}{}", self.why_least));
         }
         Ok(value)
     }
@@ -72,8 +85,8 @@ impl TypedLimits<'_> {
                 typed.replace(Typed::Taken);
                 Some(value)
             }
-            Err(reason) => {
-                typed.replace(Typed::Refused(reason));
+            Err(refusal) => {
+                typed.replace(Typed::Refused(refusal));
                 None
             }
         }
@@ -117,6 +130,8 @@ pub fn limited_field<N: egui::emath::Numeric>(
 #[derive(Clone, Debug, PartialEq)]
 struct Note {
     text: String,
+    /// The part of it that stands below the field, where that is not the whole.
+    line: Option<String>,
     value: f64,
     /// Of a text that was not taken, the number of texts that were typed up to it: the next one ends the
     /// note.
@@ -161,8 +176,8 @@ pub fn keep(ui: &Ui, form: Id, label: &str, value: f64, typed: Typed) {
     ui.data_mut(|data| {
         data.insert_temp(Id::unique("count of typed values"), count);
         match typed {
-            Typed::Refused(text) => {
-                data.insert_temp(key, Note { text, value, refused: Some(count) });
+            Typed::Refused(Refusal { reason, limit }) => {
+                data.insert_temp(key, Note { text: reason, line: limit, value, refused: Some(count) });
             }
             Typed::Taken => data.remove::<Note>(key),
             // With the count, a text that was refused is over.
@@ -174,7 +189,7 @@ pub fn keep(ui: &Ui, form: Id, label: &str, value: f64, typed: Typed) {
 
 /// Says `text` below the field of this label in `form`, until its value is another than `value`.
 pub fn say(ui: &Ui, form: Id, label: &str, value: f64, text: String) {
-    ui.data_mut(|data| data.insert_temp(key(form, label), Note { text, value, refused: None }));
+    ui.data_mut(|data| data.insert_temp(key(form, label), Note { text, line: None, value, refused: None }));
     ui.ctx().request_repaint();
 }
 
@@ -186,9 +201,7 @@ pub fn show(ui: &mut Ui, form: Id, label: &str, value: f64, at: Rect) {
         ui.data_mut(|data| data.remove::<Note>(key));
         return;
     }
-    // What was typed is known, the limit is asked for: it stands where there is room for a few words.
-    let limit = note.refused.and_then(|_| note.text.split_once(": ")).map(|(_, limit)| limit);
-    let line = limit.unwrap_or(&note.text);
+    let line = note.line.as_ref().unwrap_or(&note.text);
     field_faults::mark_in_a_line(ui, at, [line, &note.text], (Condition::Blocked, 1.0));
 }
 
@@ -219,8 +232,11 @@ mod tests {
             ("5 ft", None, Some("“5 ft” is not a length: 12.5, 30/4 mm or 0.5 in are")),
         ] {
             assert_eq!(limits.parse(text, "10 mm", &typed), value, "{text}");
-            let said = word.map_or(Typed::Taken, |word| Typed::Refused(word.to_owned()));
-            assert_eq!(*typed.borrow(), said, "{text}");
+            let refusal = |word: &str| {
+                let limit = word.split_once(": at ").map(|(_, limit)| format!("at {limit}"));
+                Typed::Refused(Refusal { reason: word.to_owned(), limit })
+            };
+            assert_eq!(*typed.borrow(), word.map_or(Typed::Taken, refusal), "{text}");
         }
     }
 }

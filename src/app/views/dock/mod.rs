@@ -146,21 +146,21 @@ impl App {
     /// Draws the docked panels in the rest of `ui`. Where that is too small for them, as in a small window
     /// with large text, they scroll as a whole.
     pub(in crate::app) fn docked_panels(&mut self, ui: &mut Ui) {
-        let (room, solid) = (ui.available_size(), ScrollStyle::solid());
-        let is_narrow = room.x < MIN_SIZE.x;
+        let (available, solid) = (ui.available_size(), ScrollStyle::solid());
+        let is_narrow = available.x < MIN_SIZE.x;
         let bar = if is_narrow { solid.allocated_width() } else { 0.0 };
-        let is_low = room.y - bar < MIN_SIZE.y;
+        let is_low = available.y - bar < MIN_SIZE.y;
         if !is_narrow && !is_low {
             return self.panels_in(ui);
         }
         let inner = std::mem::replace(&mut ui.spacing_mut().scroll, solid);
-        // The wheel is that of the panels: it zooms the 3D view, and scrolls tables.
+        // Bars alone scroll it: the wheel zooms the 3D view and scrolls tables.
         let area = ScrollArea::new([is_narrow, is_low]).scroll_source(ScrollSource::SCROLL_BAR);
         area.id_salt("docked panels").auto_shrink(false).show(ui, |ui| {
             ui.spacing_mut().scroll = inner;
-            let room = ui.available_size();
-            let width = if is_narrow { MIN_SIZE.x } else { room.x };
-            let height = if is_low { MIN_SIZE.y } else { room.y };
+            let visible = ui.available_size();
+            let width = if is_narrow { MIN_SIZE.x } else { visible.x };
+            let height = if is_low { MIN_SIZE.y } else { visible.y };
             let (_, rect) = ui.allocate_space(Vec2::new(width, height));
             self.panels_in(&mut ui.new_child(UiBuilder::new().max_rect(rect)));
         });

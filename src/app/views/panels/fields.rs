@@ -178,19 +178,24 @@ pub fn plain_row(ui: &mut Ui, value: &mut f64, spec: &FieldSpec) -> bool {
 /// Like [`number_row`], for an optional value: 0 means that it is absent, in most cases automatic. `now`: the
 /// automatic value, which the slider then shows.
 pub fn optional_row(ui: &mut Ui, value: &mut Option<f64>, spec: &FieldSpec, now: Option<f64>) -> bool {
-    let mut number = value.unwrap_or(0.0);
-    let changed = labelled(ui, &mut number, Some(0.0), spec, Some((spec.absent, now)));
-    if changed {
-        *value = (number > 0.0).then(|| number.max(spec.min));
-    }
-    changed
+    row_or_automatic(ui, value, spec, (spec.absent, now))
 }
 
 /// Like [`optional_row`], where the automatic value follows from others: it is shown as such.
 pub fn derived_row(ui: &mut Ui, value: &mut Option<f64>, automatic: f64, spec: &FieldSpec) -> bool {
     let words = format!("{} {}", spec.absent, show(automatic, spec, units::display_units(ui)));
+    row_or_automatic(ui, value, spec, (&words, None))
+}
+
+/// Row of an optional value, with the words that stand for an absent one, and what the slider shows then.
+fn row_or_automatic(
+    ui: &mut Ui,
+    value: &mut Option<f64>,
+    spec: &FieldSpec,
+    absent: (&str, Option<f64>),
+) -> bool {
     let mut number = value.unwrap_or(0.0);
-    let changed = labelled(ui, &mut number, Some(0.0), spec, Some((words.as_str(), None)));
+    let changed = labelled(ui, &mut number, Some(0.0), spec, Some(absent));
     if changed {
         *value = (number > 0.0).then(|| number.max(spec.min));
     }
