@@ -86,7 +86,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     if format == PartFormat::Stl {
         let mesh = whole_wheel(part, &shape);
         write_atomically(&args.output, &write_stl(&mesh.points, &mesh.triangles, &part.name))?;
-        return print_stdout(&summary_text(args, part, &shape, &asked));
+        return print_stdout(&(summary_text(args, part, &shape, &asked) + &sides_note(part)));
     }
     let cutters = if args.plain { CutterNodes::Plain } else { CutterNodes::Instanced };
     let scene = match &content {
@@ -258,6 +258,17 @@ fn summary_text(args: &ConvertArgs, part: &Impeller, shape: &Tessellation, asked
         text += &format!("{} mm would take more than {} triangles\n", asked.chord_error, asked.max_triangles);
     }
     text
+}
+
+/// A line about the sides of blades in a format that does not name them: where it is read, the wrap of the
+/// blades decides, which need not agree with how `part` names its sides.
+fn sides_note(part: &Impeller) -> String {
+    let rotation = part.rotation();
+    format!(
+        "its pressure sides lead when it turns {rotation}, seen from the inlet; STL does not say so: with \
+         --rotation {} its sides keep their names\n",
+        rotation.name()
+    )
 }
 
 /// The failure of an output that is the input.

@@ -56,6 +56,8 @@ pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -
     if let Some((mesh, _)) = walls {
         scene.set_values(&gpu, mesh);
     }
-    scene.set_paths(&gpu, &toolpath_lines(&plan.passes, &plan.moves[..shown], plan.layers, colours));
+    let rapids = colours == FlankColours::Feed;
+    let lines = toolpath_lines(&plan.passes, &plan.moves[..shown], plan.layers, colours, rapids);
+    scene.set_paths(&gpu, &lines);
     draw_png(&gpu, &mut renderer, &scene, view, &options, size, args.legend).map_err(Failure::of_work)
 }

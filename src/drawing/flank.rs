@@ -74,20 +74,22 @@ pub fn feed_range(moves: &[FlankMove]) -> (f64, f64) {
     (under_feed().fold(f64::INFINITY, f64::min), under_feed().fold(0.0, f64::max))
 }
 
-/// Lines of a plan with `layers` layers: its `moves` when coloured by feed rate, else its `curves`.
+/// Lines of a plan with `layers` layers: its `moves` when coloured by feed rate, else its `curves`, or none
+/// where the colours show the walls; and its `rapids`, grey.
 pub fn toolpath_lines(
     curves: &[ShownPass],
     moves: &[FlankMove],
     layers: usize,
     colours: FlankColours,
+    rapids: bool,
 ) -> Vec<Segment> {
     let table = ColourMap::Viridis.table();
-    let mut lines = Vec::new();
+    if colours == FlankColours::Feed {
+        return move_lines(moves, moves, layers, colours, rapids);
+    }
+    let mut lines = if rapids { rapid_lines(moves) } else { Vec::new() };
     if colours == FlankColours::Walls {
         return lines;
-    }
-    if colours == FlankColours::Feed {
-        return move_lines(moves, moves, layers, colours);
     }
     for curve in curves {
         let colour = match colours {
@@ -99,13 +101,14 @@ pub fn toolpath_lines(
     lines
 }
 
-/// Lines of the first moves `made` of `all` moves of a plan with `layers` layers; rapids are grey. Coloured
-/// by layer where the colours show the walls.
+/// Lines of the first moves `made` of `all` moves of a plan with `layers` layers, its `rapids` in grey.
+/// Coloured by layer where the colours show the walls.
 pub fn move_lines(
     made: &[FlankMove],
     all: &[FlankMove],
     layers: usize,
     colours: FlankColours,
+    rapids: bool,
 ) -> Vec<Segment> {
     let table = ColourMap::Viridis.table();
     let (slow, fast) = feed_range(all);
@@ -122,7 +125,14 @@ pub fn move_lines(
         };
         segment(&pair[0].tip, &step.tip, step.along_wall, colour)
     };
-    made.windows(2).map(line).collect()
+    let is_shown = |pair: &&[FlankMove]| rapids || pair[1].kind != MoveKind::Rapid;
+    made.windows(2).filter(is_shown).map(line).collect()
+}
+
+/// Lines of the rapids among `moves`.
+fn rapid_lines(moves: &[FlankMove]) -> Vec<Segment> {
+    let rapids = moves.windows(2).filter(|pair| pair[1].kind == MoveKind::Rapid);
+    rapids.map(|pair| segment(&pair[0].tip, &pair[1].tip, pair[1].along_wall, RAPID_COLOUR)).collect()
 }
 
 /// Lines of the moves of the selected pass, over all others.

@@ -33,7 +33,8 @@ pub fn flank_pictures(outcome: &FlankOutcome, prefix: &str) -> Result<Vec<PagePi
     };
     let mut scene = scene_of_part(&gpu, part);
     let layers = plan.layout.layers.len();
-    scene.set_paths(&gpu, &toolpath_lines(&shown_passes(plan), &plan.moves, layers, FlankColours::Layer));
+    let lines = toolpath_lines(&shown_passes(plan), &plan.moves, layers, FlankColours::Layer, false);
+    scene.set_paths(&gpu, &lines);
     let options = SceneOptions::for_colours(FloorColours::Plain);
     draw(&scene, &options, "passes", "passes by layer: dark next to the hub, light at the top".to_owned())?;
     let mut scene = scene_of_part(&gpu, part);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::flank::region::{Region, WallName};
 use vanecut::flank::{UncutLength, UncutReason};
 use vanecut::job::flank::FlankOutcome;
@@ -12,7 +12,7 @@ use vanecut::job::flank::FlankOutcome;
 use crate::channels::show_channels;
 use crate::fake;
 use crate::flank::{plan_flank, set_depth, with_plan};
-use crate::harness::{Window, labels, settle, with_sample};
+use crate::harness::{Window, labels, pixels_in, settle, with_sample};
 
 /// Beside columns of numbers the reasons would have one of a few letters.
 #[test]
@@ -137,4 +137,33 @@ fn a_flank_calculation_that_is_stopped_says_what_is_kept() {
     assert_eq!(text, "Flank calculation cancelled; the last flank plan is kept");
     assert!(Arc::ptr_eq(&kept, window.state().state().results.flank.as_ref().expect("kept")));
     held.store(false, Ordering::SeqCst);
+}
+
+/// A layer that would change nothing is not offered; one that is offered changes the picture.
+#[test]
+fn layers_of_flank_are_those_that_it_has() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    plan_flank(&mut window, 10.0);
+    window.get_by_role_and_label(Role::Button, "Layers").click();
+    window.run_steps(3);
+    let offered = |window: &Window| {
+        let layers = ["Cutters", "Axes", "Holders", "Rapids"].into_iter();
+        let is_offered = |name: &&str| {
+            let switch = window.get_by_role_and_label(Role::CheckBox, name);
+            !switch.accesskit_node().is_disabled()
+        };
+        layers.filter(is_offered).collect::<Vec<_>>()
+    };
+    assert_eq!(offered(&window), ["Rapids"]);
+    let view = window.get_by_label("3D view").rect().shrink(80.0);
+    let without = pixels_in(&mut window, view);
+    window.get_by_role_and_label(Role::CheckBox, "Rapids").click();
+    window.run_steps(4);
+    let changed = pixels_in(&mut window, view).iter().zip(&without).filter(|(a, b)| a != b).count();
+    assert!(changed > 50, "{changed} pixels");
+    // The tool stands in the wheel, and may have a holder.
+    window.state_mut().look_mut().flank.cut = Some(40);
+    window.run_steps(4);
+    assert_eq!(offered(&window), ["Holders", "Rapids"]);
 }

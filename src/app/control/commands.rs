@@ -58,6 +58,11 @@ impl App {
             C::BeforeAfter | C::SideBySide | C::Wipe if self.state.look.operation != Operation::Roughing => {
                 false
             }
+            // Plunges that are made at one place each; the only tool of other operations is always shown.
+            C::Cutters | C::Axes => self.state.look.operation == Operation::Roughing,
+            C::Holders => self.state.look.operation == Operation::Roughing || self.state.shows_one_tool(),
+            // Those of a checked program are always shown.
+            C::Links => self.state.look.operation != Operation::Program,
             C::Machine => self.state.document.edited.setup.machine.file.is_some(),
             C::ExportStock
             | C::Stock

@@ -182,8 +182,8 @@ commands! {
     Shroud "Shroud" "Shows the shroud, transparent" [];
     Cutters "Cutters" "Shows the cutters at the end of their plunges" [];
     Axes "Axes" "Shows the tool axes up to the retract points" [];
-    Holders "Holders" "Shows the holders of the current and of the selected position" [];
-    Links "Rapids" "Shows the rapids from retract point to retract point" [];
+    Holders "Holders" "Shows the holders of the tool where the timeline stands and of the selected plunge" [];
+    Links "Rapids" "Shows the rapids of plunges, from retract point to retract point, or between flank passes" [];
     Stock "Stock"
         "Shows the stock as a solid at the position of the timeline, instead of hub and blades" [NONE, S];
     Machine "Machine"
@@ -193,7 +193,7 @@ commands! {
     PassesByLayer "Passes by layer" "Colours the flank passes by layer" [];
     PassesByRegion "Passes by region" "Colours the flank passes by region of the channel" [];
     PassesByFeed "Passes by feed rate"
-        "Colours the flank passes by feed rate: dark slow, light fast, rapids grey" [];
+        "Colours the flank passes by feed rate: dark slow, light fast" [];
     PassesByWalls "Passes by walls"
         "Colours the walls by what flank milling leaves on them, and by overcut" [];
     TextLarger "Text size: larger" "Makes text and controls larger (Ctrl +)" [];

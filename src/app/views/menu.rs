@@ -151,9 +151,7 @@ impl App {
                 });
                 ui.separator();
                 theme::draw_box_edges(ui);
-                for (shown, command) in overlay::switches(&mut self.state.look.layers) {
-                    ui.checkbox(shown, command.label()).on_hover_text(command.tip());
-                }
+                self.layer_switches(ui);
             });
             ui.menu_button("Help", |ui| {
                 if let Some(command) = self.menu_groups(ui, HELP) {

@@ -95,14 +95,17 @@ impl App {
             item(ui, command, self.is_available(command));
         }
         ui.separator();
-        ui.menu_button("Layers", |ui| {
-            let mut layers = self.state.look.layers;
-            for (shown, command) in overlay::switches(&mut layers) {
-                overlay::switch(ui, shown, command, self.is_available(command));
-            }
-            self.state.look.layers = layers;
-        });
+        ui.menu_button("Layers", |ui| self.layer_switches(ui));
         of_position.or(chosen)
+    }
+
+    /// The switches of the layers.
+    pub(in crate::app) fn layer_switches(&mut self, ui: &mut Ui) {
+        let mut layers = self.state.look.layers;
+        for (shown, command) in overlay::switches(&mut layers) {
+            overlay::switch(ui, shown, command, self.is_available(command));
+        }
+        self.state.look.layers = layers;
     }
 
     /// Start of a measurement: the right-clicked point, else the tip of the selected position, mm.

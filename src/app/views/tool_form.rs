@@ -24,7 +24,8 @@ const INSERT: FieldSpec = FieldSpec::mm(
     100.0,
 )
 .sliding(0.5, 25.0);
-const OVERHANG: FieldSpec = FieldSpec::mm("Stick-out", "Free length from tip to holder", 0.5, 1000.0);
+const OVERHANG: FieldSpec =
+    FieldSpec::mm("Stick-out", "Free length from tip to holder. In setup files: overhang", 0.5, 1000.0);
 const FLUTES: FieldSpec =
     FieldSpec::mm("Flute length", "Length of the cutting edges; the shank begins there", 0.1, 1000.0);
 const FEED: FieldSpec = FieldSpec {

@@ -20,7 +20,6 @@ use crate::app::model::preview::ShownCutters;
 use crate::app::model::problem::Problem;
 use crate::app::model::shown_channels::ChannelProgress;
 use crate::app::model::solid::SolidColours;
-use crate::app::views::command::Command;
 use crate::app::views::cube;
 use crate::app::views::legend;
 use crate::app::views::overlay::{self, SwitchChoice};
@@ -310,9 +309,9 @@ impl App {
             overlay::policy(ui, corner, &mut self.state, pane.side);
         }
         let channels = self.channel_count();
-        let known = [Command::Stock, Command::Machine].map(|command| (command, self.is_available(command)));
-        let is_available =
-            |command| known.iter().all(|(known, is_available)| *known != command || *is_available);
+        let mut layers = self.state.look.layers;
+        let unavailable = overlay::switches(&mut layers).map(|(_, layer)| (layer, !self.is_available(layer)));
+        let is_available = |layer| !unavailable.contains(&(layer, true));
         overlay::layers(ui, whole, &mut self.state.look, channels, is_available);
         if let Some(command) = overlay::mouse_help(ui, whole, self.state.look.mouse) {
             self.run_command(ui.ctx(), command);
@@ -359,6 +358,7 @@ impl App {
             made: look.cut,
             // The passes would hide what they leave.
             passes: !self.state.look.layers.stock,
+            rapids: self.state.look.layers.links,
             selected: pass.map(|pass| [pass.from, pass.end]),
         })
     }
@@ -422,13 +422,13 @@ impl App {
                 true if layers.stock => CutterFilter::Last,
                 true => CutterFilter::All,
                 // The tool at the selected fault, or where the timeline stands.
-                false if state.selected_finding().is_some() || shows_timeline_tool => CutterFilter::All,
+                false if state.shows_one_tool() => CutterFilter::All,
                 false => CutterFilter::Hidden,
             },
             show_solid: layers.stock,
             show_machine: layers.machine,
             show_axes: layers.axes && roughing,
-            show_holders: layers.holders && (roughing || shows_timeline_tool),
+            show_holders: layers.holders && (roughing || state.shows_one_tool()),
             show_links: layers.links && roughing,
             show_floor_colours: match walls {
                 // The scale is that of the floor.

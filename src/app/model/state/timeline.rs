@@ -50,6 +50,11 @@ impl AppState {
         }
     }
 
+    /// Whether the views show one tool alone: at the selected fault, or where the timeline stands.
+    pub fn shows_one_tool(&self) -> bool {
+        self.selected_finding().is_some() || self.shows_timeline_tool()
+    }
+
     /// Whether the views show the tool where the timeline stands, alone: not while they show it at a fault.
     pub fn shows_timeline_tool(&self) -> bool {
         let shows_moves = self.shown_flank().is_some() || self.shown_program().is_some();

@@ -86,7 +86,7 @@ const SCHEME: ChoiceSpec<FlankStrategy> = ChoiceSpec {
 const COLOURS: [(FlankColours, &str, &str); 4] = [
     (FlankColours::Layer, "layer", "The passes, coloured by layer"),
     (FlankColours::Region, "region", "The passes, coloured by region of the channel"),
-    (FlankColours::Feed, "feed", "The moves, coloured by feed rate: dark slow, light fast, rapids grey"),
+    (FlankColours::Feed, "feed", "The moves, coloured by feed rate: dark slow, light fast"),
     (FlankColours::Walls, "walls", "Residual stock on the walls, and overcut below the blade allowance"),
 ];
 

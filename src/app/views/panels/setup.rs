@@ -110,7 +110,7 @@ const BLADE: FieldSpec = FieldSpec::mm(
 const SAFETY: FieldSpec = FieldSpec::mm(
     "Rapid clearance",
     "Distance of the cutter above the blank before a rapid.\n\
-     Larger: safer links, but longer retracts",
+     Larger: safer links, but longer retracts. In setup files: safety_distance",
     0.0,
     100.0,
 )
@@ -118,7 +118,7 @@ const SAFETY: FieldSpec = FieldSpec::mm(
 const INLET: FieldSpec = FieldSpec::mm(
     "Inlet overhang",
     "Length of blank before the leading edge, along hub and shroud.\n\
-     It is cut too: the plunges begin that far in front of the blades",
+     It is cut too: the plunges begin that far in front of the blades. In setup files: inlet_extension",
     0.0,
     200.0,
 )

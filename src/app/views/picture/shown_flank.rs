@@ -19,6 +19,8 @@ pub struct ShownFlank {
     pub made: Option<usize>,
     /// Whether the passes are drawn, and not only the selected one.
     pub passes: bool,
+    /// Whether rapids are drawn with them.
+    pub rapids: bool,
     /// Moves of the selected pass: index of the first position, and index after the last one.
     pub selected: Option<[usize; 2]>,
 }
@@ -26,8 +28,8 @@ pub struct ShownFlank {
 impl PartialEq for ShownFlank {
     /// Plans are immutable, so pointer equality suffices.
     fn eq(&self, other: &Self) -> bool {
-        (self.colours, self.made, self.passes, self.selected)
-            == (other.colours, other.made, other.passes, other.selected)
+        (self.colours, self.made, self.passes, self.rapids, self.selected)
+            == (other.colours, other.made, other.passes, other.rapids, other.selected)
             && Arc::ptr_eq(&self.run, &other.run)
     }
 }
@@ -39,8 +41,11 @@ impl ShownFlank {
         let layers = plan.layout.layers.len();
         let mut lines = match self.made {
             _ if !self.passes => Vec::new(),
-            None => flank::toolpath_lines(&self.all_passes(), moves, layers, self.colours),
-            Some(made) => flank::move_lines(&moves[..made.min(moves.len())], moves, layers, self.colours),
+            None => flank::toolpath_lines(&self.all_passes(), moves, layers, self.colours, self.rapids),
+            Some(made) => {
+                let made = &moves[..made.min(moves.len())];
+                flank::move_lines(made, moves, layers, self.colours, self.rapids)
+            }
         };
         if let Some(moves) = self.selected.and_then(|[from, end]| moves.get(from..end)) {
             lines.extend(flank::selected_lines(moves));
