@@ -95,10 +95,21 @@ mod tests {
     #[test]
     fn the_grid_of_lead_angles_is_that_of_its_page() {
         let page = include_str!("../../../docs/algorithms/minimal.md");
-        let degrees = |j: usize| LeadGrid::USUAL.lead(j, 1).to_degrees().round();
-        let row = format!("| {}°, {}°, {LEAD_STEPS} steps |", degrees(0), degrees(1) - degrees(0));
-        let row = row.replace('-', "\u{2212}");
-        assert!(page.contains(&row), "docs/algorithms/minimal.md has no row {row}");
+        let row = page.lines().find(|line| line.contains("`FIRST_LEAD_DEG`")).expect("a row of the grid");
+        let number = |word: &str| word.replace('\u{2212}', "-").parse::<f64>().ok();
+        let numbers: Vec<f64> = row
+            .split('|')
+            .nth(1)
+            .expect("a cell of values")
+            .split([' ', '°', ','])
+            .filter_map(number)
+            .collect();
+        let &[first, step, steps] = numbers.as_slice() else { panic!("not first, step and count: {row}") };
+        assert_eq!(steps, LEAD_STEPS as f64, "{row}");
+        for j in 0..=LEAD_STEPS {
+            let lead = LeadGrid::USUAL.lead(j, 1).to_degrees();
+            assert!((lead - (first + step * j as f64)).abs() < 1e-9, "lead angle {j} is {lead}°: {row}");
+        }
         let middle = 5f64.to_radians();
         assert!((LeadGrid::narrow(middle).lead(LEAD_STEPS / 2, 1) - middle).abs() < 1e-12);
     }
