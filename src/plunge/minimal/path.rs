@@ -281,7 +281,7 @@ impl PathSearch<'_> {
     /// States of a stage. Lead angles whose lower bound is outside the beam are expanded only if the best
     /// state inside it costs more than the beam allows, because of lifts or blades.
     fn stage_states(&self, place: &CandidateStage, here: &StageContext) -> StageStates {
-        let bounds: Vec<f64> = place.leads(here.stride).map(|tilt| self.lower_bound(tilt, here)).collect();
+        let bounds: Vec<f64> = place.leads(here.stride).map(|lead| self.lower_bound(lead, here)).collect();
         let beam = BEAM_RADII * self.candidates.maker.tool.radius();
         let promising = bounds.iter().copied().fold(f64::INFINITY, f64::min) + beam;
         let reach = |j: usize| self.cheapest_state(j * here.stride, place, here);
