@@ -19,7 +19,7 @@ const MAX_LIFTS: usize = 8;
 /// Share of the places of a section that contact leaves without a plunge where its rows starve.
 const STARVED_SHARE: f64 = 2.0 / 3.0;
 /// Gap left between a lifted core and the stock below it, mm.
-pub(super) const LIFT_MARGIN: f64 = 1e-3;
+pub(super) const CORE_GAP_MM: f64 = 1e-3;
 
 /// One row, planned.
 #[derive(Clone, Debug)]
@@ -239,18 +239,18 @@ fn place_cutter(context: &PlanContext, station: &Station, tool: &Tool) -> Result
     Ok(PlacedCutter { cutter, hub_clearance, blade_clearance, lift: 0.0 })
 }
 
-/// Places the cutters of a row and adds them to `columns`. With `max_lift` each plunge stops short where
-/// its core would meet stock, and is dropped where that takes more than this share of its depth in the
-/// blank.
+/// Places the cutters of a row and adds them to `columns`. With `max_lift_share` each plunge stops short
+/// where its core would meet stock, and is dropped where that takes more than this share of its depth in
+/// the blank.
 pub(super) fn cut_row(
     context: &PlanContext,
     row: PlannedRow,
     tool: &Tool,
-    max_lift: Option<f64>,
+    max_lift_share: Option<f64>,
     columns: &mut Columns,
     monitor: &Monitor,
 ) -> Result<CutRow, PlanError> {
-    cut_row_around(context, row, tool, max_lift, &[], columns, monitor)
+    cut_row_around(context, row, tool, max_lift_share, &[], columns, monitor)
 }
 
 /// As [`cut_row`]; the cutters of `fixed`, with the numbers of their stations, are placed already and are
@@ -259,7 +259,7 @@ pub(super) fn cut_row_around(
     context: &PlanContext,
     row: PlannedRow,
     tool: &Tool,
-    max_lift: Option<f64>,
+    max_lift_share: Option<f64>,
     fixed: &[(usize, PlacedCutter)],
     columns: &mut Columns,
     monitor: &Monitor,
@@ -298,7 +298,7 @@ pub(super) fn cut_row_around(
     }
     let column = |placed: &PlacedCutter| PlungeColumn::new(placed.cutter, tool.core_radius(), &top);
     let deep: Vec<Option<PlungeColumn>> = placed.par_iter().map(|p| p.as_ref().ok().map(column)).collect();
-    let Some(share) = max_lift else {
+    let Some(share) = max_lift_share else {
         columns.extend(deep.into_iter().flatten());
         return Ok(CutRow { row, placed });
     };
@@ -379,12 +379,12 @@ fn drop_hindered(
 /// The cutter, lifted until its core is free of the stock that `earlier` plunges left.
 ///
 /// # Errors
-/// [`DropReason::Contact`] when that takes more than the share `max_lift` of its depth in the blank.
+/// [`DropReason::Contact`] when that takes more than the share `max_lift_share` of its depth in the blank.
 fn lift_clear(
     context: &PlanContext,
     mut placed: PlacedCutter,
     tool: &Tool,
-    max_lift: f64,
+    max_lift_share: f64,
     earlier: Earlier,
     top: &BlankTop,
 ) -> Result<PlacedCutter, DropReason> {
@@ -397,10 +397,10 @@ fn lift_clear(
             break;
         }
         let lift = (placed.cutter.tip - unlifted).norm() + contact;
-        if lift >= max_lift * depth - LIFT_MARGIN {
+        if lift >= max_lift_share * depth - CORE_GAP_MM {
             return Err(DropReason::Contact);
         }
-        placed.cutter.tip += placed.cutter.axis * (contact + LIFT_MARGIN);
+        placed.cutter.tip += placed.cutter.axis * (contact + CORE_GAP_MM);
     }
     placed.lift = (placed.cutter.tip - unlifted).norm();
     if placed.lift > 0.0 {

@@ -88,7 +88,7 @@ pub(super) fn locked_plunges(context: &PlanContext, edits: &[PlungeEdit]) -> Vec
 /// When `monitor` is cancelled.
 pub(super) fn lock_into_row(
     context: &PlanContext,
-    (tool, max_lift): (&Tool, Option<f64>),
+    (tool, max_lift_share): (&Tool, Option<f64>),
     row: CutRow,
     (columns, before): (&mut Columns, usize),
     waiting: &mut Vec<LockedPlunge>,
@@ -107,7 +107,7 @@ pub(super) fn lock_into_row(
         let fixed: Vec<(usize, PlacedCutter)> =
             places.iter().map(|&(k, number)| (k, waiting[number].cutter)).collect();
         columns.truncate(before);
-        let cut = cut_row_around(context, planned, tool, max_lift, &fixed, columns, monitor)?;
+        let cut = cut_row_around(context, planned, tool, max_lift_share, &fixed, columns, monitor)?;
         let is_free = |&(k, _): &(usize, usize)| {
             let column = before + cut.placed[..k].iter().flatten().count();
             planned_contact(&columns.as_slice()[column], columns.before(column), blank) == 0.0

@@ -1,7 +1,7 @@
 //! `minimal` for one section: rows are planned one after the other, each after the plunges of all previous
 //! ones, in the cutting direction that leaves less.
 
-use super::path::MAX_LIFT_OF_DEPTH;
+use super::path::MINIMAL_MAX_LIFT_SHARE;
 use super::row_stages::RowStages;
 use super::rows::{CutPath, RowOf, RowPlaces, cut_path, cut_split, rows_of_stretch, with_row_search};
 use super::second_pass::{OpenRow, cut_open_places};
@@ -196,7 +196,7 @@ fn plan_rows(
             open.extend(OpenRow::new((number, row), best.open()));
             let before = cut.columns.len();
             cut.columns = best.columns;
-            let (rule, columns) = ((tool, Some(MAX_LIFT_OF_DEPTH)), (&mut cut.columns, before));
+            let (rule, columns) = ((tool, Some(MINIMAL_MAX_LIFT_SHARE)), (&mut cut.columns, before));
             let row = lock_into_row(context, rule, best.row, columns, &mut waiting, closing)?;
             cut.rows.extend(row.split_where_axes_turn(context.setup.plunge.max_axis_change_rad));
             cut.note_missing(lambda, best.missing);
