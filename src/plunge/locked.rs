@@ -59,19 +59,19 @@ pub(super) fn locked_plunges(context: &PlanContext, edits: &[PlungeEdit]) -> Vec
     let mut locked: Vec<Vec<LockedPlunge>> = vec![Vec::new(); sections.len()];
     let mut known: Vec<PlungePose> = Vec::new();
     for edit in edits {
-        let PlungeChange::Lock { tool, lift } = edit.change else { continue };
-        let Ok(number) = tool_of(context.setup, tool) else { continue };
+        let PlungeChange::Lock { tool: number, lift } = edit.change else { continue };
+        let Ok(tool) = tool_of(context.setup, number) else { continue };
         if known.iter().any(|pose| pose.is(&edit.plunge)) {
             continue;
         }
-        let plunge = locked_at(context, number, &edit.plunge, lift);
+        let plunge = locked_at(context, tool, &edit.plunge, lift);
         let outside = |section: &SectionSetup| {
             let (low, high) = (section.from.min(section.to), section.from.max(section.to));
             let s = plunge.station.ends.s_hub;
             (low - s).max(s - high).max(0.0)
         };
         let of_tool = sections.iter().enumerate();
-        let of_tool = of_tool.filter(|(_, s)| s.tool == tool && s.kind != SectionKind::Opening);
+        let of_tool = of_tool.filter(|(_, s)| s.tool == number && s.kind != SectionKind::Opening);
         let nearest = of_tool.min_by(|(_, a), (_, b)| outside(a).total_cmp(&outside(b)));
         if let Some((index, _)) = nearest {
             known.push(edit.plunge);
