@@ -6,7 +6,7 @@
 //! rows, the second pass and added plunges are planned for the stock that the locked ones leave.
 
 use super::context::PlanContext;
-use super::cut::{CutRow, PlannedRow, SectionCut, cut_row_around};
+use super::cut::{CutRow, CutStation, PlannedRow, SectionCut, cut_row_around};
 use super::edit_pose::position_at;
 use super::error::PlanError;
 use super::lane::AxisEnds;
@@ -94,13 +94,13 @@ pub(super) fn lock_into_row(
     waiting: &mut Vec<LockedPlunge>,
     monitor: &Monitor,
 ) -> Result<CutRow, PlanError> {
-    let mut places = places_in(&row.row.stations, waiting, replaced_within(context, tool));
+    let mut places = places_in(&row.stations, waiting, replaced_within(context, tool));
     if places.is_empty() {
         return Ok(row);
     }
     let blank = &context.workpiece.blank;
     loop {
-        let mut planned = row.row.clone();
+        let mut planned = row.planned();
         for &(k, number) in &places {
             planned.stations[k] = waiting[number].station;
         }
@@ -109,7 +109,7 @@ pub(super) fn lock_into_row(
         columns.truncate(before);
         let cut = cut_row_around(context, planned, tool, max_lift_share, &fixed, columns, monitor)?;
         let is_free = |&(k, _): &(usize, usize)| {
-            let column = before + cut.placed[..k].iter().flatten().count();
+            let column = before + cut.stations[..k].iter().filter(|at| at.placed.is_ok()).count();
             planned_contact(&columns.as_slice()[column], columns.before(column), blank) == 0.0
         };
         let free: Vec<(usize, usize)> = places.iter().copied().filter(is_free).collect();
@@ -124,11 +124,11 @@ pub(super) fn lock_into_row(
 
 /// Number of the station in whose place each of the `waiting` plunges goes that is within `reach` of one, and
 /// its own number.
-fn places_in(stations: &[Station], waiting: &[LockedPlunge], reach: f64) -> Vec<(usize, usize)> {
+fn places_in(stations: &[CutStation], waiting: &[LockedPlunge], reach: f64) -> Vec<(usize, usize)> {
     let mut places: Vec<(usize, usize)> = Vec::new();
     for (number, plunge) in waiting.iter().enumerate() {
-        let distance = |station: &Station| (station.tip - plunge.station.tip).norm();
-        let near = stations.iter().enumerate().map(|(k, station)| (k, distance(station)));
+        let distance = |at: &CutStation| (at.station.tip - plunge.station.tip).norm();
+        let near = stations.iter().enumerate().map(|(k, at)| (k, distance(at)));
         let near = near.filter(|(k, d)| *d <= reach && !places.iter().any(|(taken, _)| taken == k));
         if let Some((k, _)) = near.min_by(|(_, a), (_, b)| a.total_cmp(b)) {
             places.push((k, number));
@@ -183,7 +183,7 @@ impl SectionCut {
     /// Cuts `plunge` last, as a row of its own.
     fn push_plunge(&mut self, plunge: &LockedPlunge, tool: &Tool, top: &BlankTop) {
         let row = PlannedRow { stations: vec![plunge.station], ..PlannedRow::empty(plunge.lambda) };
-        self.rows.push(CutRow { row, placed: vec![Ok(plunge.cutter)] });
+        self.rows.push(CutRow::new(row, [Ok(plunge.cutter)]));
         self.columns.push(plunge.column(tool, top));
     }
 }

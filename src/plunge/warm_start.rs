@@ -68,8 +68,8 @@ fn warm_start_section(
     };
     let mut cut = SectionCut { added: before.added, ..SectionCut::empty(before.feed, columns) };
     for row in &before.rows {
-        let lambda = row.lambda();
-        let stations: Vec<&Station> = row.stations().collect();
+        let lambda = row.lambda;
+        let stations: Vec<&Station> = row.kept_stations().collect();
         let stations: Vec<Station> = stations
             .into_par_iter()
             .filter_map(|station| refit_station(context, station, lambda, layouts, tool, before, monitor))
