@@ -16,6 +16,14 @@ use crate::setup::{CutDirection, SectionSetup, Tool};
 
 /// Maximum number of lifts of one plunge; contact that remains is reported as interference.
 const MAX_LIFTS: usize = 8;
+/// Maximum number of raises of a cutter to the hub allowance; each is twice as much per missing depth.
+const MAX_RAISES: u32 = 12;
+/// First raise, in missing depths: on an axis oblique to the hub it gains less clearance than its length.
+const RAISE_PER_DEPTH: f64 = 1.2;
+/// Least raise, mm: where rounding is all that is missing.
+const MIN_RAISE_MM: f64 = 1e-9;
+/// Rounding of clearances from the blades, mm, that drops no station.
+const CLEARANCE_ROUNDING_MM: f64 = 1e-6;
 /// Share of the places of a section that contact leaves without a plunge where its rows starve.
 const STARVED_SHARE: f64 = 2.0 / 3.0;
 /// Gap left between a lifted core and the stock below it, mm.
@@ -205,13 +213,12 @@ impl SectionCut {
 /// the finished hub, mm.
 pub(super) fn raise_to_allowance(context: &PlanContext, mut cutter: CutterSolid) -> (CutterSolid, f64) {
     let mut hub_clearance = context.workpiece.finished.hub_clearance(&cutter);
-    for doubling in 0..12 {
+    for doubling in 0..MAX_RAISES {
         let deep = context.setup.allowances.hub_allowance - hub_clearance;
         if deep <= 0.0 {
             break;
         }
-        // On an axis oblique to the hub a lift raises the clearance by only part of itself.
-        cutter.tip += cutter.axis * (1.2 * deep * f64::from(1 << doubling) + 1e-9);
+        cutter.tip += cutter.axis * (RAISE_PER_DEPTH * deep * f64::from(1 << doubling) + MIN_RAISE_MM);
         hub_clearance = context.workpiece.finished.hub_clearance(&cutter);
     }
     (cutter, hub_clearance)
@@ -226,7 +233,7 @@ fn place_cutter(context: &PlanContext, station: &Station, tool: &Tool) -> Result
     let stock = &context.setup.allowances;
     let (cutter, hub_clearance) = raise_to_allowance(context, tool.placed(station.tip, station.axis));
     let blade_clearance = context.workpiece.finished.blade_clearance(&cutter);
-    if blade_clearance < stock.blade_allowance - 1e-6 {
+    if blade_clearance < stock.blade_allowance - CLEARANCE_ROUNDING_MM {
         return Err(DropReason::Blades);
     }
     Ok(PlacedCutter { cutter, hub_clearance, blade_clearance, lift: 0.0 })
