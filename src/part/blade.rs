@@ -17,9 +17,9 @@ pub struct Blade {
 }
 
 impl Blade {
-    /// The blade rotated by `angle` rad about Z.
-    pub fn rotated(&self, angle: f64) -> Self {
-        Self { suction: self.suction.rotated(angle), pressure: self.pressure.rotated(angle) }
+    /// The blade rotated by `angle_rad` about Z.
+    pub fn rotated(&self, angle_rad: f64) -> Self {
+        Self { suction: self.suction.rotated(angle_rad), pressure: self.pressure.rotated(angle_rad) }
     }
 
     /// Arc length on `curve` of the leading edge at `v`, mm: of the furthest upstream point of the nose,

@@ -160,13 +160,13 @@ impl BladeSide {
         SideBends { stations: self.stations.clone(), patches, knots }
     }
 
-    /// The side rotated by `angle` rad about Z.
-    pub fn rotated(&self, angle: f64) -> Self {
+    /// The side rotated by `angle_rad` about Z.
+    pub fn rotated(&self, angle_rad: f64) -> Self {
         let u = self.u_knots().to_vec();
         let sections: Vec<Vec<Point>> = self
             .stations
             .iter()
-            .map(|&v| u.iter().map(|&u| rotate_z(&self.point(u, v), angle)).collect())
+            .map(|&v| u.iter().map(|&u| rotate_z(&self.point(u, v), angle_rad)).collect())
             .collect();
         Self::loft(&u, &self.stations, &sections)
     }

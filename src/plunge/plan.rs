@@ -52,9 +52,9 @@ impl PlungeMotion {
         tip + self.lead_out + axis * self.lead_out.norm()
     }
 
-    /// It, with the part turned about Z by `angle`, rad.
-    pub fn rotated_z(&self, angle: f64) -> Self {
-        Self { lead_out: rotate_vector_z(&self.lead_out, angle), ..*self }
+    /// It, with the part turned about Z by `angle_rad`.
+    pub fn rotated_z(&self, angle_rad: f64) -> Self {
+        Self { lead_out: rotate_vector_z(&self.lead_out, angle_rad), ..*self }
     }
 }
 
