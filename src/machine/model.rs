@@ -175,11 +175,6 @@ impl MachineTool {
             !(low - POSITION_ROUNDING..=high + POSITION_ROUNDING).contains(&joints[i])
         })
     }
-
-    /// Whether the table carries both rotary axes, so that the tool's length only shifts Z.
-    pub fn is_table_only(&self) -> bool {
-        self.rotary.iter().all(|axis| axis.side == AxisSide::Table)
-    }
 }
 
 /// Names of the linear axes.
