@@ -67,7 +67,7 @@ impl DirectionLimit<'_> {
     }
 }
 
-/// Plans section `index` after the plunges of `earlier`, in the cutting direction of the setup or else in the
+/// Plans section `index` after the plunges of `columns`, in the cutting direction of the setup or else in the
 /// one that leaves less.
 ///
 /// # Errors
@@ -75,11 +75,11 @@ impl DirectionLimit<'_> {
 pub(in crate::plunge) fn plan_section(
     context: &PlanContext,
     index: usize,
-    earlier: &Columns,
+    columns: Columns,
     monitor: &Monitor,
 ) -> Result<SectionCut, PlanError> {
     let plan_in = |feed: CutDirection, limit: &DirectionLimit| {
-        plan_in_direction(context, index, earlier, feed, limit, monitor)
+        plan_in_direction(context, index, &columns, feed, limit, monitor)
     };
     let asked = context.section(index).cut_direction;
     let accepted = if context.thoroughness(index).is_full() { 1.0 } else { MAX_COST_OF_MANY };
@@ -101,7 +101,7 @@ pub(in crate::plunge) fn plan_section(
     // If stopped, discard the incomplete second direction.
     let other = other.filter(|_| !monitor.is_stopped());
     let Some(DirectedPlan { mut cut, open, .. }) = other.or(first) else {
-        return Ok(SectionCut::empty(CutDirection::OutletToInlet, earlier.clone()));
+        return Ok(SectionCut::empty(CutDirection::OutletToInlet, columns));
     };
     cut_open_places(context, index, &open, &mut cut, monitor)?;
     add_extras(context, index, &mut cut, monitor)?;
