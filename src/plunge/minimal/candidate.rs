@@ -36,6 +36,10 @@ const REACH_ALONG_RADII: f64 = 0.9;
 
 /// Maximum number of candidates of a position for which the smallest sufficient overhang is computed.
 const MAX_CAUSES: usize = 8;
+/// Number of tilt angles per lead angle.
+const TILT_COUNT: usize = 3;
+/// Tilt angles as shares from the row's own tilt angle (0) to zero tilt (1).
+const ZERO_TILT_SHARES: [f64; TILT_COUNT] = [1.0, 0.5, 0.0];
 
 /// One candidate position, not yet checked against the blades.
 #[derive(Clone, Copy, Debug)]
@@ -84,11 +88,6 @@ impl RowCandidate {
         self.layer.iter().map(cost).sum::<f64>() / STRIPS as f64
     }
 }
-
-/// Number of tilt angles per lead angle.
-const TILT_COUNT: usize = 3;
-/// Tilt angles as shares from the row's own tilt angle (0) to zero tilt (1).
-const ZERO_TILT_SHARES: [f64; TILT_COUNT] = [1.0, 0.5, 0.0];
 
 /// The candidates of one lead angle, the cheapest first; without those beyond the limits of inclination.
 pub type LeadCandidates = [Option<RowCandidate>; TILT_COUNT];
