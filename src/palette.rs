@@ -1,5 +1,8 @@
 //! Colours of pictures and window. Gamma-encoded sRGB, 0…1.
 
+/// Number of entries of a colour table.
+pub const TABLE_LEN: usize = 256;
+
 /// Red, green, blue.
 pub type Rgb = [f32; 3];
 
@@ -123,9 +126,6 @@ impl Theme {
         }
     }
 }
-
-/// Number of entries of a colour table.
-pub const TABLE_LEN: usize = 256;
 
 /// A colour map, sampled into a table that picture and legend share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

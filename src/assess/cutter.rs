@@ -12,6 +12,18 @@ use nalgebra::{Matrix3, Vector3};
 use crate::geometry::{CutterSolid, Point, Vector, search, wrap_angle};
 use crate::part::{BladeSide, Impeller, NearestOnSide, Passage, SideProbe};
 
+/// The walls in thirds of their height: within a third the nearest point moves smoothly with the axis.
+const THIRDS: [(f64, f64); 3] = [(0.0, 0.34), (0.34, 0.67), (0.67, 1.0)];
+/// Starts of the s of the upper end, relative to the foot: between overhanging walls there are several local
+/// optima.
+const STARTS: [f64; 3] = [0.0, 0.25, -0.25];
+/// Starts of the upper end between the walls.
+const STARTS_ACROSS: [f64; 3] = [0.5, 0.2, 0.8];
+/// Maximum difference of s between upper end and foot.
+const MAX_S_OFFSET: f64 = 0.4;
+/// Length of the extension of the walls beyond the trailing edge, in u.
+const RUN_ON: f64 = 0.4;
+
 /// The largest cylinder at one station.
 #[derive(Clone, Copy, Debug)]
 pub struct LargestCutter {
@@ -84,18 +96,6 @@ struct WallClearance {
     distance: f64,
     gradient: Vector3<f64>,
 }
-
-/// The walls in thirds of their height: within a third the nearest point moves smoothly with the axis.
-const THIRDS: [(f64, f64); 3] = [(0.0, 0.34), (0.34, 0.67), (0.67, 1.0)];
-/// Starts of the s of the upper end, relative to the foot: between overhanging walls there are several local
-/// optima.
-const STARTS: [f64; 3] = [0.0, 0.25, -0.25];
-/// Starts of the upper end between the walls.
-const STARTS_ACROSS: [f64; 3] = [0.5, 0.2, 0.8];
-/// Maximum difference of s between upper end and foot.
-const MAX_S_OFFSET: f64 = 0.4;
-/// Length of the extension of the walls beyond the trailing edge, in u.
-const RUN_ON: f64 = 0.4;
 
 impl<'a> WallPair<'a> {
     /// The walls of `passage`. `low` (a suction side) and `high` (a pressure side) are their blade sides

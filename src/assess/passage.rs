@@ -7,6 +7,11 @@ use crate::part::{
     BladeSide, BoundedPassage, Channel, Impeller, PassageWidth, SideProbe, Wall, splitter_name,
 };
 
+/// Number of steps between stations for widths and depths.
+const WIDTH_STEPS: usize = 100;
+/// Number of steps between stations for cutters.
+const CUTTER_STEPS: usize = 20;
+
 /// Which passage of a channel: the blades on its two sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PassageBlades {
@@ -73,11 +78,6 @@ impl PassageMeasure {
         self.widths.iter().flat_map(|station| station.width).flatten()
     }
 }
-
-/// Number of steps between stations for widths and depths.
-const WIDTH_STEPS: usize = 100;
-/// Number of steps between stations for cutters.
-const CUTTER_STEPS: usize = 20;
 
 fn stations(steps: usize) -> impl IndexedParallelIterator<Item = f64> {
     (0..steps + 1).into_par_iter().map(move |i| i as f64 / steps as f64)

@@ -25,6 +25,16 @@ use crate::geometry::{Meridional, Point, wrap_angle};
 use crate::part::{BoundedPassage, Channel, Impeller, Passage, Workpiece};
 use crate::setup::Tool;
 
+/// Rows along s.
+const ROWS: usize = 40;
+/// Cells across a passage.
+const COLUMNS: usize = 24;
+/// Number of points across a passage that are tested as centres, its middle among them; the borders between
+/// them are found by bisection.
+const CENTRES: usize = 15;
+/// Bisections of a border: to 1/500 of the passage.
+const BORDER_STEPS: usize = 5;
+
 /// A section of the channel and its tool.
 #[derive(Clone, Debug)]
 pub struct ReachSection<'a> {
@@ -73,16 +83,6 @@ pub struct ReachMap {
     /// Rows from leading edge to rim.
     pub rows: Vec<ReachRow>,
 }
-
-/// Rows along s.
-const ROWS: usize = 40;
-/// Cells across a passage.
-const COLUMNS: usize = 24;
-/// Number of points across a passage that are tested as centres, its middle among them; the borders between
-/// them are found by bisection.
-const CENTRES: usize = 15;
-/// Bisections of a border: to 1/500 of the passage.
-const BORDER_STEPS: usize = 5;
 
 impl ReachMap {
     /// The map of the channel floor of `workpiece`.

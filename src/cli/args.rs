@@ -251,7 +251,7 @@ pub struct PostArgs {
 /// `vanecut stock`.
 #[derive(Debug, Args)]
 pub struct StockArgs {
-    /// Part: .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf
+    /// Part: .toml, .geomTurbo, TurboGrid .inf, .step, .stl, .glb or .gltf
     pub part: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,

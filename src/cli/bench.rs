@@ -14,7 +14,7 @@ use crate::cutting::drop_cutter::DepthSurface;
 use crate::gpu::{Gpu, ResidualKernel};
 use crate::io::gltf::GltfScene;
 use crate::io::part_file::read_part_bytes;
-use crate::job::{Listener, PlanJob, PlanOutcome, PlanRequest, PlanStage, run as run_job};
+use crate::job::{FIELD_CELLS, Listener, PlanJob, PlanOutcome, PlanRequest, PlanStage, run as run_job};
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::monitor::Monitor;
 use crate::part::Impeller;
@@ -59,7 +59,7 @@ fn bench_sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
         setup: outcome.setup.clone(),
         policy: AxisPolicy::Minimal,
         compare: false,
-        field_cells: 512,
+        field_cells: FIELD_CELLS,
     };
     let mut moved = |what: &str, slider: &dyn Fn(&mut Setup, f64)| {
         let mut turn = 0.0;
@@ -115,13 +115,14 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
         setup: Setup { tools: three_tools(), ..Setup::default() },
         policy: AxisPolicy::Monotone,
         compare: false,
-        field_cells: 512,
+        field_cells: FIELD_CELLS,
     };
     print_stdout(&format!("{:<62} {:>10}\n", "what", "median"))?;
     let plan_seconds = median(|| {
         let _ = run_job(&request, &Monitor::default());
     });
-    print_row("plan of one channel: two policies, contact, both fields 512²", plan_seconds)?;
+    let what = format!("plan of one channel: two policies, contact, both fields {FIELD_CELLS}²");
+    print_row(&what, plan_seconds)?;
     let outcome = run_job(&request, &Monitor::default()).map_err(Failure::of_work)?;
 
     print_row("minimal plan of one channel", median(|| plan_minimal(&outcome)))?;

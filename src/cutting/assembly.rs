@@ -18,6 +18,19 @@ pub const ASSEMBLY_TOLERANCE: f64 = 1e-3;
 const CIRCLES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 /// Tolerance of the search between them.
 const CIRCLE_STEP: f64 = 1e-3;
+/// Maximum number of points of an axis in the quick test, and their minimum distance, mm.
+const MAX_AXIS_STEPS: usize = 24;
+const MIN_AXIS_STEP: f64 = 0.5;
+/// Maximum number of halvings of a cone against stock, and the difference of the radii of its ends below
+/// which it counts as a cylinder of the larger one, mm.
+const MAX_HALVINGS: u32 = 8;
+const CYLINDER_STEP: f64 = 0.02;
+/// Maximum number of slices of a piece whose distance from the blank is measured, and how much nearer it may
+/// be between them, mm.
+const MAX_SLICES: usize = 200;
+const SLICE_TOLERANCE: f64 = 2e-3;
+/// Least distance of a slice from the ends of the piece that it divides, as a share of that.
+const MIN_INSET: f64 = 0.02;
 
 /// Least distance of shank or holder, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -389,20 +402,6 @@ pub fn hub_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64
     }
     least
 }
-
-/// Maximum number of points of an axis in the quick test, and their minimum distance, mm.
-const MAX_AXIS_STEPS: usize = 24;
-const MIN_AXIS_STEP: f64 = 0.5;
-/// Maximum number of halvings of a cone against stock, and the difference of the radii of its ends below
-/// which it counts as a cylinder of the larger one, mm.
-const MAX_HALVINGS: u32 = 8;
-const CYLINDER_STEP: f64 = 0.02;
-/// Maximum number of slices of a piece whose distance from the blank is measured, and how much nearer it may
-/// be between them, mm.
-const MAX_SLICES: usize = 200;
-const SLICE_TOLERANCE: f64 = 2e-3;
-/// Least distance of a slice from the ends of the piece that it divides, as a share of that.
-const MIN_INSET: f64 = 0.02;
 
 /// Height above the lower end of a slice of `frustum` up to which it is in what the `earlier` plunges and
 /// that of the `own` cutter left of `blank`, mm; 0 where it is clear.

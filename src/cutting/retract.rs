@@ -5,6 +5,15 @@ use super::drop_cutter::DepthSurface;
 use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, distance_rate, norm2, search};
 use crate::part::Blank;
 
+/// Radius of the flat part of a bottom below which it is a point, that of a ball cutter, mm.
+const MIN_FLAT: f64 = 1e-9;
+/// Largest number of steps of the alternating projection.
+const MAX_PROJECTIONS: usize = 8;
+/// Maximum number of retract steps.
+const MAX_RETRACT_STEPS: usize = 30;
+/// Distance by which a tool retracts at most, in radii of the blank.
+const MAX_RETRACT_RADII: f64 = 8.0;
+
 /// The top of the blank as a drop-cutter surface: the shroud surface and the circles of the leading-edge line
 /// and of the rim; or the outline of the blank.
 #[derive(Debug)]
@@ -63,11 +72,6 @@ impl<'a> RetractSurface<'a> {
         above.max(low)
     }
 }
-
-/// Radius of the flat part of a bottom below which it is a point, that of a ball cutter, mm.
-const MIN_FLAT: f64 = 1e-9;
-/// Largest number of steps of the alternating projection.
-const MAX_PROJECTIONS: usize = 8;
 
 /// The nearest points of a cutter's bottom and the blank.
 #[derive(Clone, Copy, Debug)]
@@ -162,11 +166,6 @@ pub fn bottom_is_inside(cutter: &CutterSolid, blank: &Blank) -> bool {
     let centre = cutter.tip + cutter.axis * cutter.corner_radius;
     !blank.is_far(Meridional::from_point(&centre), cutter.radius) && bottom_clearance(cutter, blank) < 0.0
 }
-
-/// Maximum number of retract steps.
-const MAX_RETRACT_STEPS: usize = 30;
-/// Distance by which a tool retracts at most, in radii of the blank.
-const MAX_RETRACT_RADII: f64 = 8.0;
 
 /// Distance by which a retract point over `blank` is moved up at most, mm. Beyond, no way up frees a tool, as
 /// where its axis points into the part; that it is not clear is reported.

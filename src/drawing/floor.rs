@@ -86,15 +86,6 @@ pub fn contact_mesh(grid: &FloorGrid, plan: &PlungePlan) -> Mesh {
     mesh
 }
 
-/// Index of the grid cell nearest to `point`, for the value under the cursor; `None` away from the floor.
-pub fn nearest_floor_cell(grid: &FloorGrid, point: Vec3) -> Option<usize> {
-    let distance = |cell: usize| Vec3::from_array(grid.points[cell]).distance_squared(point);
-    let nearest = (0..grid.points.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?;
-    // Tolerance of a few cell widths: the point may lie on a facet, or on stock above the floor.
-    let reach = 3.0 * grid.areas[nearest].max(0.0).sqrt() + 1.0;
-    (distance(nearest) <= reach * reach && grid.floor[nearest]).then_some(nearest)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,12 +101,5 @@ mod tests {
         assert_eq!(mesh.vertices[15].uncut, 1.0);
         assert_eq!(mesh.vertices[14].uncut, 0.0);
         assert_eq!(floor_mesh(&grid, &heights[1..], MAX_LINES), None);
-    }
-
-    #[test]
-    fn the_cell_under_a_point_is_the_nearest_one_unless_it_is_far() {
-        let grid = FloorGrid::flat(10, 10);
-        assert_eq!(nearest_floor_cell(&grid, Vec3::new(3.2, 4.1, 0.5)), Some(34));
-        assert_eq!(nearest_floor_cell(&grid, Vec3::new(3.0, 40.0, 0.0)), None);
     }
 }

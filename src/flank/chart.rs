@@ -8,6 +8,11 @@ use super::layer::{LayerPoint, LayerSurface};
 use super::layer_walls::{LayerWall, LayerWalls, y_at};
 use super::region::WallName;
 
+/// Number of walls of main blades; those of splitters come after them.
+const MAIN_BLADES: usize = 2;
+/// Maximum number of nodes along and across; finer charts gain nothing.
+const MAX_NODES: usize = 1200;
+
 /// A grid over a layer with a distance field per wall.
 #[derive(Debug)]
 pub struct LayerChart<'a> {
@@ -59,11 +64,6 @@ pub struct ChartNode {
     /// Index in the chart, row by row.
     pub index: usize,
 }
-
-/// Number of walls of main blades; those of splitters come after them.
-const MAIN_BLADES: usize = 2;
-/// Maximum number of nodes along and across; finer charts gain nothing.
-const MAX_NODES: usize = 1200;
 
 impl<'a> LayerChart<'a> {
     /// A chart with nodes about `spacing` mm apart over the layer and `beyond` mm past its ends. `clear` is

@@ -21,6 +21,19 @@ use crate::setup::{AssemblyPart, AssemblySegment, ClearanceSetup, Tool};
 use distance_table::DistanceTable;
 use scene::{BladePoints, Cone, MinDistances, NearPoints, ToolShape};
 
+/// Missing clearance up to which an axis of the grid is a seed of that search, mm.
+const SEED_SPARE: f64 = 1.5;
+/// Maximum angle between a fixed axis and the normal of the layer, rad.
+pub const MAX_TILT: f64 = 65.0 * std::f64::consts::PI / 180.0;
+/// Tolerance of the final check of the distance from the hub, mm.
+const HUB_TOLERANCE: f64 = 1e-4;
+/// Error bound of the table of distances from the hub, mm.
+const HUB_SLACK: f64 = 0.05;
+/// Number of heights along the cutter at which its distance from the hub is evaluated.
+const HUB_HEIGHTS: usize = 4;
+/// Number of points on the holder's rim at which its distance from the blank is evaluated.
+const RIM_POINTS: usize = 8;
+
 /// Contact of a tool with a layer.
 #[derive(Clone, Copy, Debug)]
 pub struct LayerContact {
@@ -144,19 +157,6 @@ struct SpareClearance {
     amount: f64,
     by: AxisObstacle,
 }
-
-/// Missing clearance up to which an axis of the grid is a seed of that search, mm.
-const SEED_SPARE: f64 = 1.5;
-/// Maximum angle between a fixed axis and the normal of the layer, rad.
-pub const MAX_TILT: f64 = 65.0 * std::f64::consts::PI / 180.0;
-/// Tolerance of the final check of the distance from the hub, mm.
-const HUB_TOLERANCE: f64 = 1e-4;
-/// Error bound of the table of distances from the hub, mm.
-const HUB_SLACK: f64 = 0.05;
-/// Number of heights along the cutter at which its distance from the hub is evaluated.
-const HUB_HEIGHTS: usize = 4;
-/// Number of points on the holder's rim at which its distance from the blank is evaluated.
-const RIM_POINTS: usize = 8;
 
 impl<'a> FixedAxisSearch<'a> {
     /// A search for `tool` in the channel of `workpiece`.

@@ -7,6 +7,18 @@ use super::offset::{closed_parallel, folds_between};
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, evenly, norm2, search, wrap_angle};
 use crate::part::{BladeSide, Impeller};
 
+/// Number of points of the meridional curve of a layer; a C2 spline joins them.
+const CURVE_POINTS: usize = 120;
+/// Maximum length of the layer upstream of the leading edge, as a share of its length.
+const UPSTREAM: f64 = 0.2;
+/// Least length of a layer, mm.
+const MIN_LENGTH: f64 = 1e-3;
+/// Steps in which the part of a layer in the channel is searched.
+const SEARCH_STEPS: usize = 400;
+/// Radius of the rounding of a layer where the parallel of the hub folds, as a share of the layer's length:
+/// some points of the layer's curve lie on it.
+const CORNER_RADIUS: f64 = 0.03;
+
 /// A point of a layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LayerPoint {
@@ -36,18 +48,6 @@ pub struct LayerSurface {
     /// +1 where angles about the axis grow with y, −1 where they fall.
     turn: f64,
 }
-
-/// Number of points of the meridional curve of a layer; a C2 spline joins them.
-const CURVE_POINTS: usize = 120;
-/// Maximum length of the layer upstream of the leading edge, as a share of its length.
-const UPSTREAM: f64 = 0.2;
-/// Least length of a layer, mm.
-const MIN_LENGTH: f64 = 1e-3;
-/// Steps in which the part of a layer in the channel is searched.
-const SEARCH_STEPS: usize = 400;
-/// Radius of the rounding of a layer where the parallel of the hub folds, as a share of the layer's length:
-/// some points of the layer's curve lie on it.
-const CORNER_RADIUS: f64 = 0.03;
 
 impl LayerSurface {
     /// The layer `height` mm above the hub; `None` where the channel is nowhere that deep. Where the parallel

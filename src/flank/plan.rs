@@ -32,6 +32,12 @@ const MAX_GAIN: f64 = 10.0;
 /// them, mm.
 const WALL_STEP: f64 = 4.0;
 const WALL_CHORD: f64 = 5e-4;
+/// Node spacing of the charts for links, mm.
+const LINK_SPACING: f64 = 1.0;
+/// A link may come nearer to a wall than a pass by this, mm: the error of the coarse chart is smaller.
+const LINK_SLACK: f64 = 0.05;
+/// Spacing of the points of the surface that the tool rests on, mm.
+const GROUND_STEP: f64 = 0.5;
 
 /// A flank plan of one channel.
 #[derive(Clone, Debug)]
@@ -235,14 +241,6 @@ pub fn plan(
         times,
     })
 }
-
-/// Node spacing of the charts for links, mm.
-const LINK_SPACING: f64 = 1.0;
-/// A link may come nearer to a wall than a pass by this, mm: the error of the coarse chart is smaller.
-const LINK_SLACK: f64 = 0.05;
-
-/// Spacing of the points of the surface that the tool rests on, mm.
-const GROUND_STEP: f64 = 0.5;
 
 /// Length by which the surface that the tool rests on extends beyond a layer, mm.
 fn ground_beyond(setup: &Setup, tool: &Tool) -> f64 {

@@ -83,15 +83,15 @@ pub fn norm2(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// `point` rotated about the rotation axis by `angle` (rad).
-pub fn rotate_z(point: &Point, angle: f64) -> Point {
-    let (sin, cos) = angle.sin_cos();
+/// `point` rotated about the rotation axis by `angle_rad`.
+pub fn rotate_z(point: &Point, angle_rad: f64) -> Point {
+    let (sin, cos) = angle_rad.sin_cos();
     Point::new(cos * point.x - sin * point.y, sin * point.x + cos * point.y, point.z)
 }
 
-/// `vector` rotated about the rotation axis by `angle` (rad).
-pub fn rotate_vector_z(vector: &Vector, angle: f64) -> Vector {
-    let (sin, cos) = angle.sin_cos();
+/// `vector` rotated about the rotation axis by `angle_rad`.
+pub fn rotate_vector_z(vector: &Vector, angle_rad: f64) -> Vector {
+    let (sin, cos) = angle_rad.sin_cos();
     Vector::new(cos * vector.x - sin * vector.y, sin * vector.x + cos * vector.y, vector.z)
 }
 

@@ -5,6 +5,21 @@ use super::renderer::Picture;
 use super::scene::{FloorColours, SceneOptions};
 use crate::palette::{ColourMap, TABLE_LEN, Theme, to_bytes};
 
+/// Heights of a picture per dot of its legend, pixels: text of 1 in 40 can be read where the picture fills a
+/// page or a slide.
+const HEIGHT_PER_DOT: u32 = 300;
+/// Smallest side of a dot in pictures that are large enough for it, pixels.
+const MIN_DOT: u32 = 2;
+/// Greatest share of the width of the picture that a legend of larger dots takes: it hides what is behind it.
+const MAX_SHARE: f64 = 0.45;
+/// Width of the bar, and height of it, dots: the longest title fits above it.
+const BAR: [u32; 2] = [120, 8];
+/// Distance of text and bar from the edges of the picture, and from those of the plate, dots.
+const INSET: u32 = 12;
+const PLATE_MARGIN: u32 = 6;
+/// Height from the title to the lower edge of the picture, dots.
+const LEGEND_HEIGHT: u32 = 44;
+
 /// Bitmap font of 5 × 7 dots: one number per row, the highest of five bits leftmost.
 const LETTERS: &[(char, [u8; 7])] = &[
     ('0', [14, 17, 19, 21, 25, 17, 14]),
@@ -55,21 +70,6 @@ pub fn add_legend(picture: &mut Picture, options: &SceneOptions) {
     };
     draw_legend(picture, map, options.range_mm, title, options.theme);
 }
-
-/// Heights of a picture per dot of its legend, pixels: text of 1 in 40 can be read where the picture fills a
-/// page or a slide.
-const HEIGHT_PER_DOT: u32 = 300;
-/// Smallest side of a dot in pictures that are large enough for it, pixels.
-const MIN_DOT: u32 = 2;
-/// Greatest share of the width of the picture that a legend of larger dots takes: it hides what is behind it.
-const MAX_SHARE: f64 = 0.45;
-/// Width of the bar, and height of it, dots: the longest title fits above it.
-const BAR: [u32; 2] = [120, 8];
-/// Distance of text and bar from the edges of the picture, and from those of the plate, dots.
-const INSET: u32 = 12;
-const PLATE_MARGIN: u32 = 6;
-/// Height from the title to the lower edge of the picture, dots.
-const LEGEND_HEIGHT: u32 = 44;
 
 /// Draws the legend into the lower left corner of a picture, on a plate of its own: behind it the picture may
 /// be transparent, or as dark as its text. `title` stands above the bar (letters that [`LETTERS`] lacks stay

@@ -20,6 +20,10 @@ use super::surfaces::{
 use super::target;
 use super::uniform::FrameUniform;
 
+/// Facets of a cutter, in still pictures and in motion.
+const FACETS: usize = 24;
+const DRAFT_FACETS: usize = 10;
+
 /// A picture in memory: 8-bit RGBA, top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
@@ -101,10 +105,6 @@ impl GrowingBuffer {
 pub fn draft_size(gpu: &Gpu, size: UVec2) -> UVec2 {
     if gpu.is_software() { (size * 2 / 5).max(UVec2::ONE) } else { size }
 }
-
-/// Facets of a cutter, in still pictures and in motion.
-const FACETS: usize = 24;
-const DRAFT_FACETS: usize = 10;
 
 /// The mesh of which every cutter is an instance; its first `solid` indices are opaque.
 #[derive(Debug)]

@@ -275,14 +275,6 @@ fn segments<const N: usize>(
     Ok(Located { value: rows.value.iter().map(|row| row.value).collect(), at: rows.at })
 }
 
-/// Writes a tool library. It reads back equal.
-pub fn write_tool_library(tools: &[Tool]) -> String {
-    let mut out = String::new();
-    // `write!` to a `String` cannot fail.
-    let _ = write_tools(&mut out, tools, WrittenRates::Given);
-    out
-}
-
 /// Which rates of tools are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum WrittenRates {

@@ -3,7 +3,7 @@
 //! plan is made once more around these, and the edits apply to that one.
 
 use super::cache::PlanCache;
-use super::goal::{self, MetGoal, WholeInput};
+use super::goal::{self, WholeInput};
 use super::outcome::{JobError, PlanOutcome, PlanRequest, measure_residual};
 use super::planning::{FIRST_SHARE, plan, plan_in_stages};
 use super::stage::Listener;
@@ -126,17 +126,15 @@ impl PlanOutcome {
         if policy == AxisPolicy::Minimal {
             let (plan, grid, clock) = (&outcome.after.plan, &self.grid, &self.clock);
             let input = WholeInput { workpiece, setup, plan, grid, locks, clock };
-            let met = goal::meet_goal(input, &mut SectionCache::default(), &monitor.span(FIRST_SHARE, 1.0))?;
-            let MetGoal { plan, sparse, misses_goal, is_stopped } = met;
-            if is_stopped {
+            let for_goal = &monitor.span(FIRST_SHARE, 1.0);
+            let mut met = goal::meet_goal(input, &mut SectionCache::default(), for_goal)?;
+            if met.is_stopped {
                 return Ok(None);
             }
-            (outcome.sparse, outcome.misses_goal) = (sparse, misses_goal);
-            if let Some((plan, density)) = plan {
-                let chosen = measure_residual(plan, &self.grid, &self.clock);
-                outcome.whole = Some(std::mem::replace(&mut outcome.after, chosen).plan);
-                outcome.density = density;
+            if let Some((whole, density)) = met.replace_whole(&mut outcome.after, grid, clock) {
+                (outcome.whole, outcome.density) = (Some(whole), density);
             }
+            (outcome.sparse, outcome.misses_goal) = (met.sparse, met.misses_goal);
         }
         Ok(Some(outcome))
     }

@@ -43,6 +43,21 @@ pub(super) struct MetGoal {
     pub is_stopped: bool,
 }
 
+impl MetGoal {
+    /// Puts the plan, where it is not the whole one, with its residual stock into `minimal`. Returns then the
+    /// whole plan, and how closely the rows of the new one lie.
+    pub fn replace_whole(
+        &mut self,
+        minimal: &mut PolicyResult,
+        grid: &FloorGrid,
+        clock: &PlanClock,
+    ) -> Option<(PlungePlan, RowDensity)> {
+        let (plan, density) = self.plan.take()?;
+        let chosen = measure_residual(plan, grid, clock);
+        Some((std::mem::replace(minimal, chosen).plan, density))
+    }
+}
+
 /// The whole plan of `minimal`, with what it was planned for, and the floor on which its plunges are weighed.
 struct WholePlan<'a> {
     workpiece: &'a Workpiece,

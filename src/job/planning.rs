@@ -101,6 +101,42 @@ pub(super) fn plan_in_stages(
     Ok(plan)
 }
 
+/// Reports a preview of `minimal` by warm start where sections of `known` became stale: the axes of the last
+/// plan, fitted to the new setup, are close to the result and give live feedback while a slider is dragged.
+/// Failures are reported by the plan itself.
+fn preview(
+    planner: &Planner,
+    setup: &Setup,
+    known: &SectionCache,
+    monitor: &Monitor,
+    listener: Listener,
+) -> Result<(), SetupFault> {
+    if known.valid_prefix(setup)? < setup.plunge.sections.len()
+        && let Ok(Some(plan)) = planner.warm_start(AxisPolicy::Minimal, known, monitor)
+    {
+        listener.notify(|| PlanStage::Preview(plan));
+    }
+    Ok(())
+}
+
+/// The clock by which all plans are compared: `clock`, or where the machine refuses the plan of `policy` one
+/// without it. Times on the machine are then removed from all.
+fn one_clock_of(
+    policy: AxisPolicy,
+    before: &mut PolicyResult,
+    others: &mut [PolicyResult],
+    clock: Arc<PlanClock>,
+) -> Arc<PlanClock> {
+    let asked = others.iter().find(|result| result.plan.policy == policy).unwrap_or(before);
+    if clock.machine().is_none() || asked.summary.machine_time.is_some() {
+        return clock;
+    }
+    for result in others.iter_mut().chain([before]) {
+        (result.summary.machine_time, result.summary.is_refused) = (None, false);
+    }
+    Arc::new(clock.after_refusal())
+}
+
 /// What `minimal` does after a section whose rows starve.
 #[derive(Clone, Copy, Debug)]
 enum OnStarving {
@@ -146,15 +182,9 @@ fn plan_sections(
         listener.notify(|| PlanStage::Measured(Arc::clone(grid), result.clone()));
         Ok(result)
     };
-    // Preview by warm start: the axes of the last plan, fitted to the new setup, are close to the result and
-    // give live feedback while a slider is dragged. Failures are reported by the plan itself.
     let searched = known.policies.entry(request.policy).or_default();
-    if listener.has_callback()
-        && request.policy == AxisPolicy::Minimal
-        && searched.valid_prefix(&setup)? < setup.plunge.sections.len()
-        && let Ok(Some(plan)) = planner.warm_start(request.policy, searched, closing)
-    {
-        listener.notify(|| PlanStage::Preview(plan));
+    if listener.has_callback() && request.policy == AxisPolicy::Minimal {
+        preview(&planner, &setup, searched, closing, listener)?;
     }
     // Then the conventional plan alone on all cores, as it is ready first.
     let known_conventional = known.policies.entry(AxisPolicy::Conventional).or_default();
@@ -214,26 +244,15 @@ fn plan_sections(
             JudgedPlan::Evaluated(plan) => measured(plan, &grid),
         })
         .collect::<Result<Vec<PolicyResult>, _>>()?;
-    // Plans are compared by one clock.
-    let asked = others.iter().find(|result| result.plan.policy == request.policy).unwrap_or(&before);
-    let clock = match (clock.machine(), asked.summary.machine_time) {
-        (Some(_), None) => {
-            for result in others.iter_mut().chain([&mut before]) {
-                (result.summary.machine_time, result.summary.is_refused) = (None, false);
-            }
-            Arc::new(clock.after_refusal())
-        }
-        _ => clock,
-    };
+    let clock = one_clock_of(request.policy, &mut before, &mut others, clock);
     // The search of `minimal` adds plunges as long as they remove anything; the goal says which are worth it.
     let (mut whole, mut density, mut met) = (None, RowDensity::Dense, MetGoal::default());
     if let Some(minimal) = others.iter_mut().find(|result| result.plan.policy == AxisPolicy::Minimal) {
         let (plan, clock) = (&minimal.plan, &clock);
         let input = WholeInput { workpiece, setup: &setup, plan, grid: &grid, locks: &[], clock };
         met = goal::meet_goal(input, &mut known.sparse, for_goal)?;
-        if let Some((plan, rows)) = met.plan.take() {
-            density = rows;
-            whole = Some(std::mem::replace(minimal, measure_residual(plan, &grid, clock)).plan);
+        if let Some((plan, rows)) = met.replace_whole(minimal, &grid, clock) {
+            (whole, density) = (Some(plan), rows);
         }
         if met.is_stopped {
             minimal.plan.mark_unfinished();

@@ -36,11 +36,6 @@ pub enum Status {
 }
 
 impl Status {
-    /// Whether the status is final.
-    pub fn is_final(self) -> bool {
-        !matches!(self, Self::Waiting | Self::Running)
-    }
-
     fn from_u8(value: u8) -> Self {
         match value {
             0 => Self::Waiting,

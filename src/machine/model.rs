@@ -4,6 +4,11 @@ use std::f64::consts::TAU;
 
 use crate::geometry::{Point, Vector};
 
+/// Rounding of an angle at a limit, rad.
+const ANGLE_ROUNDING: f64 = 1e-6;
+/// Rounding of a position at a limit, mm.
+const POSITION_ROUNDING: f64 = 1e-3;
+
 /// One of the three linear axes. Machine coordinates are those of the gauge point with all rotary axes at 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearAxis {
@@ -65,11 +70,6 @@ impl RotaryAxis {
         (low..=high).map(move |turn| angle + TAU * f64::from(turn)).filter(|angle| self.allows(*angle))
     }
 }
-
-/// Rounding of an angle at a limit, rad.
-const ANGLE_ROUNDING: f64 = 1e-6;
-/// Rounding of a position at a limit, mm.
-const POSITION_ROUNDING: f64 = 1e-3;
 
 /// How the part lies on the table.
 #[derive(Clone, Debug, PartialEq)]
@@ -174,11 +174,6 @@ impl MachineTool {
             let (low, high) = self.linear[i].limits;
             !(low - POSITION_ROUNDING..=high + POSITION_ROUNDING).contains(&joints[i])
         })
-    }
-
-    /// Whether the table carries both rotary axes, so that the tool's length only shifts Z.
-    pub fn is_table_only(&self) -> bool {
-        self.rotary.iter().all(|axis| axis.side == AxisSide::Table)
     }
 }
 

@@ -8,6 +8,25 @@ use super::surface::MeshSurface;
 use crate::error::{ErrorCode, UserError};
 use crate::geometry::{Point, Vector, frame_about, norm2};
 
+/// Largest area-weighted circumferential component of the hub's normals with which an axis is accepted.
+const FOUND: f64 = 0.02;
+/// Largest circumferential component of the normal of a triangle of revolution.
+const TURNED: f64 = 0.05;
+/// Angle, rad, and offset as a share of the size, within which a fitted axis is snapped to one of the file's.
+const SNAP: (f64, f64) = (0.002, 5e-4);
+/// An axis beside the origin has more area of revolution about it than one through it by this factor.
+const BESIDE: f64 = 1.2;
+/// As [`BESIDE`], of the area that tells where the axis is, and smallest sine of the angle between its
+/// normals and the axis.
+const BESIDE_STEEP: f64 = 2.0;
+const STEEP: f64 = 0.3;
+/// As [`SNAP`], for an axis that is exact but for rounding: rad and mm.
+const EXACT: (f64, f64) = (1e-6, 1e-4);
+/// Corners of a circle about the axis are of one height, next to each other in radius where the centre is
+/// uncertain, and on the circle, each as a share of the size, and in each of this number of sectors.
+const RING: (f64, f64, f64) = (4e-6, 2e-3, 2e-5);
+const SECTORS: usize = 8;
+
 /// An axis of the file's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -92,26 +111,6 @@ impl PartFromFile {
         }
     }
 }
-
-/// Largest area-weighted circumferential component of the hub's normals with which an axis is accepted.
-const FOUND: f64 = 0.02;
-/// Largest circumferential component of the normal of a triangle of revolution.
-const TURNED: f64 = 0.05;
-/// Angle, rad, and offset as a share of the size, within which a fitted axis is snapped to one of the file's.
-const SNAP: (f64, f64) = (0.002, 5e-4);
-/// An axis beside the origin has more area of revolution about it than one through it by this factor.
-const BESIDE: f64 = 1.2;
-/// As [`BESIDE`], of the area that tells where the axis is, and smallest sine of the angle between its
-/// normals and the axis.
-const BESIDE_STEEP: f64 = 2.0;
-const STEEP: f64 = 0.3;
-/// As [`SNAP`], for an axis that is exact but for rounding: rad and mm.
-const EXACT: (f64, f64) = (1e-6, 1e-4);
-
-/// Corners of a circle about the axis are of one height, next to each other in radius where the centre is
-/// uncertain, and on the circle, each as a share of the size, and in each of this number of sectors.
-const RING: (f64, f64, f64) = (4e-6, 2e-3, 2e-5);
-const SECTORS: usize = 8;
 
 /// A triangle of a surface. The axis is sought in some dozen passes over all of them.
 struct Facet {

@@ -29,6 +29,7 @@ const SPACING: f64 = 1.0 / 512.0;
 /// Points on the rounding of a corner, and how much further apart points are with the distance from it.
 const AT_CORNER: usize = 8;
 const GROWTH: f64 = 0.3;
+const NOTHING: usize = usize::MAX;
 
 /// The outline of `body`, about Z, from the beginning of its `hub` towards the front: as far as it comes.
 /// Empty where the hub begins at the front already. The hub's curve is within `tolerance`, mm, of the body.
@@ -156,8 +157,6 @@ struct HalfPlaneSection {
     places: Vec<Meridional>,
     joined: Vec<[usize; 2]>,
 }
-
-const NOTHING: usize = usize::MAX;
 
 impl HalfPlaneSection {
     fn new(points: &[Point], triangles: &[[u32; 3]], angle: f64) -> Self {

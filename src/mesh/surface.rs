@@ -160,7 +160,7 @@ impl MeshSurface {
         for (t, neighbours) in self.triangles.iter().zip(&self.neighbours) {
             for k in 0..3 {
                 let (i, j) = (t[k], t[(k + 1) % 3]);
-                // Of an edge of two triangles once.
+                // An edge of two triangles belongs to the one that has its corners in rising order.
                 if i > j && neighbours[k] != NONE {
                     continue;
                 }

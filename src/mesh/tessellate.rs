@@ -10,6 +10,9 @@ mod revolved;
 use super::solid::Solid;
 use crate::part::Impeller;
 
+/// Lower limit of the triangle budget per row of blades, with which every part can be tessellated coarsely.
+const MIN_TRIANGLE_BUDGET: usize = 20_000;
+
 /// Resolution of a tessellation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fineness {
@@ -76,6 +79,3 @@ impl Tessellation {
         self.hub.triangle_count() + self.shroud.triangle_count() + blades
     }
 }
-
-/// Lower limit of the triangle budget per row of blades, with which every part can be tessellated coarsely.
-const MIN_TRIANGLE_BUDGET: usize = 20_000;

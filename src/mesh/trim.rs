@@ -99,7 +99,8 @@ pub fn trimmed(blade: &MeshSurface, curve: &MeridionalCurve, tolerance: f64) -> 
 }
 
 /// As [`trimmed`], and the normals at the new corners on edges at both ends of which there are `exact` ones.
-/// Of the long triangles between the ends of straight lines no fit through corners tells them.
+/// Triangles between straight lines are long and have corners at their ends only, so that a fit through
+/// corners cannot find the normals between.
 pub fn trimmed_with_normals(
     blade: &MeshSurface,
     curve: &MeridionalCurve,

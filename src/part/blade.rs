@@ -7,6 +7,11 @@ use super::side::{BladeSide, common_parameters};
 use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve, Point, search};
 
+/// Largest number of sections (or spans) of a blade.
+const MAX_SECTIONS: usize = 200;
+/// Largest number of points of a section.
+const MAX_SECTION_POINTS: usize = 20_000;
+
 /// A blade in the part frame; the others of its row are copies rotated by multiples of the pitch.
 #[derive(Clone, Debug)]
 pub struct Blade {
@@ -17,9 +22,9 @@ pub struct Blade {
 }
 
 impl Blade {
-    /// The blade rotated by `angle` rad about Z.
-    pub fn rotated(&self, angle: f64) -> Self {
-        Self { suction: self.suction.rotated(angle), pressure: self.pressure.rotated(angle) }
+    /// The blade rotated by `angle_rad` about Z.
+    pub fn rotated(&self, angle_rad: f64) -> Self {
+        Self { suction: self.suction.rotated(angle_rad), pressure: self.pressure.rotated(angle_rad) }
     }
 
     /// Arc length on `curve` of the leading edge at `v`, mm: of the furthest upstream point of the nose,
@@ -39,11 +44,6 @@ impl Blade {
         foremost(&self.suction).min(foremost(&self.pressure))
     }
 }
-
-/// Largest number of sections (or spans) of a blade.
-const MAX_SECTIONS: usize = 200;
-/// Largest number of points of a section.
-const MAX_SECTION_POINTS: usize = 20_000;
 
 /// Line of the file in which a blade is described.
 pub(super) fn blade_line(description: &BladeDescription) -> usize {

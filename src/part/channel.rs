@@ -6,6 +6,9 @@ use super::impeller::{Impeller, sides_around_channel};
 use super::side::BladeSide;
 use crate::geometry::{Meridional, Point, Vector, norm2, wrap_angle};
 
+/// s on the hub at which splitters are put in order, from the rim inwards.
+const ORDER_AT: [f64; 3] = [1.0, 0.97, 0.9];
+
 /// One wall of a passage: the flank of a blade side (without its rounded ends), extended linearly beyond LE,
 /// TE, hub and shroud.
 #[derive(Clone, Debug)]
@@ -424,9 +427,6 @@ pub struct SplitterWalls {
     /// See `near`.
     pub far: Wall,
 }
-
-/// s on the hub at which splitters are put in order, from the rim inwards.
-const ORDER_AT: [f64; 3] = [1.0, 0.97, 0.9];
 
 impl SplitterWalls {
     /// The splitters of a pitch in order from the first wall of the channel `full` to the second.

@@ -10,6 +10,9 @@ use crate::geometry::{Cubic, Meridional, MeridionalCurve};
 pub(super) const DUCT_FROM: f64 = 0.5;
 /// The same, from which on a shroud is left out of meshes and solids of the wheel.
 const SHROUD_AHEAD: f64 = 0.12;
+/// Largest s at which hub and shroud may touch: they meet at the leading edge of blades whose height starts
+/// at zero.
+const MEETING_S: f64 = 0.02;
 
 /// Hub or shroud: a meridional curve with s = 0 where the main blade's leading edge meets it and
 /// s = 1 at the rim, proportional to arc length. The curve may reach upstream of s = 0 (hub nose); it
@@ -220,10 +223,6 @@ pub(super) fn orient_normals(
     let beyond = middle.lerp(hub.point(hub.project(middle).0), -1.0);
     Ok((hub, shroud.with_outer_side_towards(beyond)))
 }
-
-/// Largest s at which hub and shroud may touch: they meet at the leading edge of blades whose height starts
-/// at zero.
-const MEETING_S: f64 = 0.02;
 
 /// Checks that both curves bound the channel of a centrifugal impeller.
 pub(super) fn check_channel(hub: &Flowpath, shroud: &Flowpath, d: &PartDescription) -> Result<(), PartError> {

@@ -13,6 +13,25 @@ use seeds::{LineMinimum, MAX_LINES, MAX_V_LINES, Seed, Seeds};
 use super::side::BladeSide;
 use crate::geometry::{CutterSolid, Frustum, Point, Vector, search};
 
+/// Argument tolerance of the searches in u. The distance is stationary there, so its error is far below 1 µm
+/// on any machinable size.
+const U_TOLERANCE: f64 = 2e-5;
+/// Newton step in u after which no other is needed: the error is of the order of its square.
+const U_STEP: f64 = 5e-5;
+/// As [`U_TOLERANCE`], in v. Near the edge of the bottom the distance has a radius of curvature no greater
+/// than itself: a tolerance that is harmless elsewhere would cost 10 µm there.
+const V_TOLERANCE: f64 = 4e-6;
+/// How much nearer than the point found by local searches another one may be, mm: outside the cutter, and
+/// where it cuts the side, as the depth of a cut needs to be accurate to that only.
+const NEARER: f64 = 1e-3;
+const NEARER_INSIDE: f64 = 0.01;
+/// Around a point that branch and bound found, the nearest one is searched this far, in cells.
+const REFINED_SHARE: f64 = 0.25;
+/// The whole range of v.
+const FULL_V_RANGE: (f64, f64) = (0.0, 1.0);
+/// Value of `enough` that never ends a search early.
+const NO_EARLY_EXIT: f64 = f64::NEG_INFINITY;
+
 /// A blade side with a coarse grid of its points, precomputed for many distance queries.
 #[derive(Clone, Debug)]
 pub struct SideProbe {
@@ -38,27 +57,6 @@ impl From<LineMinimum> for NearestOnSide {
         Self { distance, u, v, point }
     }
 }
-
-/// Argument tolerance of the searches in u. The distance is stationary there, so its error is far below 1 µm
-/// on any machinable size.
-const U_TOLERANCE: f64 = 2e-5;
-/// Newton step in u after which no other is needed: the error is of the order of its square.
-const U_STEP: f64 = 5e-5;
-/// As [`U_TOLERANCE`], in v. Near the edge of the bottom the distance has a radius of curvature no greater
-/// than itself: a tolerance that is harmless elsewhere would cost 10 µm there.
-const V_TOLERANCE: f64 = 4e-6;
-
-/// How much nearer than the point found by local searches another one may be, mm: outside the cutter, and
-/// where it cuts the side, as the depth of a cut needs to be accurate to that only.
-const NEARER: f64 = 1e-3;
-const NEARER_INSIDE: f64 = 0.01;
-/// Around a point that branch and bound found, the nearest one is searched this far, in cells.
-const REFINED_SHARE: f64 = 0.25;
-
-/// The whole range of v.
-const FULL_V_RANGE: (f64, f64) = (0.0, 1.0);
-/// Value of `enough` that never ends a search early.
-const NO_EARLY_EXIT: f64 = f64::NEG_INFINITY;
 
 impl SideProbe {
     /// Grid over u in [`from`, `to`] (beyond 0…1 the side is extended linearly) and the whole range of v.

@@ -3,6 +3,11 @@
 use crate::geometry::cubic::{Cubic, chord_lengths};
 use crate::geometry::{Point, Vector, rotate_z, search};
 
+/// Distance in u from an end beyond which the side is certainly flank.
+const STEADY_U: f64 = 0.08;
+/// Least turn of the direction of a side at a rounded end, rad.
+const ROUND_RAD: f64 = 30.0 * std::f64::consts::PI / 180.0;
+
 /// One side of a blade: S(u, v) with u from LE (0) to TE (1) and v from hub (0) to shroud (1). C2 in u;
 /// linear in v between two sections (a ruled blade), C2 in v through three or more. Extended linearly beyond
 /// its borders in both directions.
@@ -160,13 +165,13 @@ impl BladeSide {
         SideBends { stations: self.stations.clone(), patches, knots }
     }
 
-    /// The side rotated by `angle` rad about Z.
-    pub fn rotated(&self, angle: f64) -> Self {
+    /// The side rotated by `angle_rad` about Z.
+    pub fn rotated(&self, angle_rad: f64) -> Self {
         let u = self.u_knots().to_vec();
         let sections: Vec<Vec<Point>> = self
             .stations
             .iter()
-            .map(|&v| u.iter().map(|&u| rotate_z(&self.point(u, v), angle)).collect())
+            .map(|&v| u.iter().map(|&u| rotate_z(&self.point(u, v), angle_rad)).collect())
             .collect();
         Self::loft(&u, &self.stations, &sections)
     }
@@ -367,11 +372,6 @@ impl SideLine<'_> {
         self.segment = segment;
     }
 }
-
-/// Distance in u from an end beyond which the side is certainly flank.
-const STEADY_U: f64 = 0.08;
-/// Least turn of the direction of a side at a rounded end, rad.
-const ROUND_RAD: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
 /// Common parameters and sections of one side from raw section points (which may differ in number):
 /// normalised chord length, averaged over the sections. Repeated points are dropped.

@@ -1,7 +1,7 @@
 //! Extends the plan of one channel to several: order of the plunges, links between them, and contact over all
 //! plunges in cutting order.
 
-use super::cut::LIFT_MARGIN;
+use super::cut::CORE_GAP_MM;
 use super::evaluation::{MeasuredPlunges, evaluated};
 use super::links::raise_links;
 use super::plan::{Evaluation, PlungeMotion, PlungePlan, Position};
@@ -207,7 +207,7 @@ fn free_cores(
         let mut lifted = false;
         for ((position, contact), lone) in plan.positions.iter_mut().zip(&contacts).zip(&lone) {
             if contact.interferes() && !lone {
-                let lift = contact.depth + LIFT_MARGIN;
+                let lift = contact.depth + CORE_GAP_MM;
                 position.tip += position.axis * lift;
                 position.lift += lift;
                 lifted = true;

@@ -16,6 +16,11 @@ use crate::monitor::Monitor;
 use crate::part::Workpiece;
 use crate::setup::{SectionKind, SectionSetup, Setup, SetupFault, SetupPlace, Tool, tool_of};
 
+/// Progress of planning one channel when its first section begins, and share of the sections in it; what
+/// remains is assembling and evaluating the plan.
+const BEFORE_SECTIONS_SHARE: f64 = 0.1;
+const SECTIONS_SHARE: f64 = 0.7;
+
 /// The context of planning one channel.
 #[derive(Debug)]
 pub(super) struct PlanContext<'a> {
@@ -115,6 +120,6 @@ impl<'a> PlanContext<'a> {
     /// Reports that a share (0…1) of the work on section `index` is done.
     pub fn report_section(&self, index: usize, share: f64, monitor: &Monitor) {
         let done = (index as f64 + share) / self.setup.plunge.sections.len() as f64;
-        monitor.report(0.1 + 0.7 * done);
+        monitor.report(BEFORE_SECTIONS_SHARE + SECTIONS_SHARE * done);
     }
 }

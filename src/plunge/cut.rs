@@ -16,10 +16,18 @@ use crate::setup::{CutDirection, SectionSetup, Tool};
 
 /// Maximum number of lifts of one plunge; contact that remains is reported as interference.
 const MAX_LIFTS: usize = 8;
+/// Maximum number of raises of a cutter to the hub allowance; each is twice as much per missing depth.
+const MAX_RAISES: u32 = 12;
+/// First raise, in missing depths: on an axis oblique to the hub it gains less clearance than its length.
+const RAISE_PER_DEPTH: f64 = 1.2;
+/// Least raise, mm: where rounding is all that is missing.
+const MIN_RAISE_MM: f64 = 1e-9;
+/// Rounding of clearances from the blades, mm, that drops no station.
+const CLEARANCE_ROUNDING_MM: f64 = 1e-6;
 /// Share of the places of a section that contact leaves without a plunge where its rows starve.
 const STARVED_SHARE: f64 = 2.0 / 3.0;
 /// Gap left between a lifted core and the stock below it, mm.
-pub(super) const LIFT_MARGIN: f64 = 1e-3;
+pub(super) const CORE_GAP_MM: f64 = 1e-3;
 
 /// One row, planned.
 #[derive(Clone, Debug)]
@@ -38,112 +46,106 @@ impl PlannedRow {
     }
 }
 
+/// A station of a row, and what became of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CutStation {
+    pub station: Station,
+    /// The placed cutter, or why the station is dropped.
+    pub placed: Result<PlacedCutter, DropReason>,
+}
+
 /// A planned row with the final position of every cutter.
 #[derive(Debug)]
 pub(super) struct CutRow {
-    pub row: PlannedRow,
-    /// One entry per station: the placed cutter, or why the station is dropped.
-    pub placed: Vec<Result<PlacedCutter, DropReason>>,
+    pub stations: Vec<CutStation>,
+    pub lambda: f64,
+    pub iterations: usize,
+    pub converged: bool,
+    /// See [`PlannedRow::missing`].
+    pub missing: Vec<(f64, DropCause)>,
 }
 
 impl CutRow {
-    /// Number of positions, without the dropped ones.
-    pub fn len(&self) -> usize {
-        self.placed.iter().flatten().count()
+    /// `row` with what became of each of its stations.
+    pub fn new(row: PlannedRow, placed: impl IntoIterator<Item = Result<PlacedCutter, DropReason>>) -> Self {
+        let PlannedRow { stations, lambda, iterations, converged, missing } = row;
+        let stations = stations.into_iter().zip(placed);
+        let stations = stations.map(|(station, placed)| CutStation { station, placed }).collect();
+        Self { stations, lambda, iterations, converged, missing }
     }
 
-    /// λ of the row in the channel.
-    pub fn lambda(&self) -> f64 {
-        self.row.lambda
+    /// The row as it was planned.
+    pub fn planned(&self) -> PlannedRow {
+        let Self { lambda, iterations, converged, .. } = *self;
+        let stations = self.stations.iter().map(|at| at.station).collect();
+        PlannedRow { stations, lambda, iterations, converged, missing: self.missing.clone() }
+    }
+
+    /// Number of positions, without the dropped ones.
+    pub fn len(&self) -> usize {
+        self.kept_stations().count()
     }
 
     /// The cutters of the positions, without the dropped ones.
     pub fn cutters(&self) -> impl Iterator<Item = &CutterSolid> {
-        self.placed.iter().flatten().map(|placed| &placed.cutter)
+        self.stations.iter().filter_map(|at| at.placed.as_ref().ok()).map(|placed| &placed.cutter)
     }
 
-    /// The row turned about Z by `angle`, rad.
-    pub fn turned(&self, angle: f64) -> Self {
-        let turned = |placed: &PlacedCutter| {
+    /// The row turned about Z by `angle_rad`.
+    pub fn turned(&self, angle_rad: f64) -> Self {
+        let turned = |placed: PlacedCutter| {
             let CutterSolid { tip, axis, .. } = placed.cutter;
-            let (tip, axis) = (rotate_z(&tip, angle), rotate_vector_z(&axis, angle));
-            PlacedCutter { cutter: CutterSolid { tip, axis, ..placed.cutter }, ..*placed }
+            let (tip, axis) = (rotate_z(&tip, angle_rad), rotate_vector_z(&axis, angle_rad));
+            PlacedCutter { cutter: CutterSolid { tip, axis, ..placed.cutter }, ..placed }
         };
-        let placed = self.placed.iter().map(|placed| placed.as_ref().map(turned).map_err(|why| *why));
-        Self {
-            row: PlannedRow {
-                stations: self.row.stations.iter().map(|station| station.turned(angle)).collect(),
-                missing: self.row.missing.clone(),
-                ..self.row
-            },
-            placed: placed.collect(),
-        }
+        let stations = self
+            .stations
+            .iter()
+            .map(|at| CutStation { station: at.station.turned(angle_rad), placed: at.placed.map(turned) });
+        Self { stations: stations.collect(), missing: self.missing.clone(), ..*self }
     }
 
     /// Lift of the plunge at an s of the hub, mm; `None` where there is none or it is dropped.
     pub fn lift_at(&self, s_hub: f64) -> Option<f64> {
-        let is_there = |station: &Station| (station.ends.s_hub - s_hub).abs() < 1e-9;
-        let at = self.row.stations.iter().position(is_there)?;
-        self.placed[at].as_ref().ok().map(|placed| placed.lift)
+        let is_there = |at: &&CutStation| (at.station.ends.s_hub - s_hub).abs() < 1e-9;
+        self.stations.iter().find(is_there)?.placed.ok().map(|placed| placed.lift)
     }
 
     /// Removes those missing or dropped places for which `is_cut`(λ, s) is true.
     pub fn forget_open(&mut self, is_cut: impl Fn(f64, f64) -> bool) {
-        let lambda = self.row.lambda;
-        self.row.missing.retain(|(s, _)| !is_cut(lambda, *s));
-        let placed = std::mem::take(&mut self.placed);
-        let stations = std::mem::take(&mut self.row.stations);
-        for (station, placed) in stations.into_iter().zip(placed) {
-            if placed.is_ok() || !is_cut(lambda, station.ends.s_hub) {
-                self.row.stations.push(station);
-                self.placed.push(placed);
-            }
-        }
+        let lambda = self.lambda;
+        self.missing.retain(|(s, _)| !is_cut(lambda, *s));
+        self.stations.retain(|at| at.placed.is_ok() || !is_cut(lambda, at.station.ends.s_hub));
     }
 
     /// The stations that are not dropped.
-    pub fn stations(&self) -> impl Iterator<Item = &Station> {
-        self.row
-            .stations
-            .iter()
-            .zip(&self.placed)
-            .filter(|(_, placed)| placed.is_ok())
-            .map(|(station, _)| station)
+    pub fn kept_stations(&self) -> impl Iterator<Item = &Station> {
+        self.stations.iter().filter(|at| at.placed.is_ok()).map(|at| &at.station)
     }
 
     /// The row without its dropped stations.
     pub fn without_dropped(mut self) -> Self {
-        let placed = std::mem::take(&mut self.placed);
-        let stations = std::mem::take(&mut self.row.stations);
-        for (station, placed) in stations.into_iter().zip(placed).filter(|(_, placed)| placed.is_ok()) {
-            self.row.stations.push(station);
-            self.placed.push(placed);
-        }
+        self.stations.retain(|at| at.placed.is_ok());
         self
     }
 
-    /// The same positions in the same order, with a new row wherever the axis turns by more than `limit`
-    /// (rad) between two consecutive positions that are not dropped.
-    pub fn split_where_axes_turn(self, limit: f64) -> Vec<Self> {
-        let PlannedRow { lambda, iterations, converged, missing, .. } = self.row;
-        let empty = || Self {
-            row: PlannedRow { iterations, converged, ..PlannedRow::empty(lambda) },
-            placed: Vec::new(),
-        };
-        let mut rows = vec![empty()];
-        rows[0].row.missing = missing;
+    /// The same positions in the same order, with a new row wherever the axis turns by more than
+    /// `max_turn_rad` between two consecutive positions that are not dropped.
+    pub fn split_where_axes_turn(self, max_turn_rad: f64) -> Vec<Self> {
+        let Self { stations, lambda, iterations, converged, missing } = self;
+        let row = |missing| Self { stations: Vec::new(), lambda, iterations, converged, missing };
+        let mut rows = vec![row(missing)];
         let mut last: Option<Vector> = None;
-        for (station, placed) in self.row.stations.into_iter().zip(self.placed) {
-            if let Ok(placed) = &placed {
+        for at in stations {
+            if let Ok(placed) = &at.placed {
                 let axis = placed.cutter.axis;
-                if last.is_some_and(|last| last.angle(&axis) > limit) {
-                    rows.push(empty());
+                if last.is_some_and(|last| last.angle(&axis) > max_turn_rad) {
+                    rows.push(row(Vec::new()));
                 }
                 last = Some(axis);
             }
             if let Some(row) = rows.last_mut() {
-                row.row.stations.push(station);
-                row.placed.push(placed);
+                row.stations.push(at);
             }
         }
         rows
@@ -176,8 +178,7 @@ impl SectionCut {
     /// Records that the row at `lambda` has no position at the s in `missing`.
     pub fn note_missing(&mut self, lambda: f64, missing: Vec<(f64, DropCause)>) {
         if !missing.is_empty() {
-            let row = PlannedRow { missing, ..PlannedRow::empty(lambda) };
-            self.rows.push(CutRow { row, placed: Vec::new() });
+            self.rows.push(CutRow::new(PlannedRow { missing, ..PlannedRow::empty(lambda) }, []));
         }
     }
 
@@ -193,9 +194,9 @@ impl SectionCut {
     /// a smaller cutter finds as few.
     pub fn is_starved(&self) -> bool {
         let contact = |row: &CutRow| {
-            let missing = row.row.missing.iter().filter(|(_, cause)| cause.why == DropReason::Contact);
-            missing.count()
-                + row.placed.iter().filter(|placed| matches!(placed, Err(DropReason::Contact))).count()
+            let missing = row.missing.iter().filter(|(_, cause)| cause.why == DropReason::Contact);
+            let dropped = row.stations.iter().filter(|at| matches!(at.placed, Err(DropReason::Contact)));
+            missing.count() + dropped.count()
         };
         let placed: usize = self.rows.iter().map(CutRow::len).sum();
         let starved: usize = self.rows.iter().map(contact).sum();
@@ -212,13 +213,12 @@ impl SectionCut {
 /// the finished hub, mm.
 pub(super) fn raise_to_allowance(context: &PlanContext, mut cutter: CutterSolid) -> (CutterSolid, f64) {
     let mut hub_clearance = context.workpiece.finished.hub_clearance(&cutter);
-    for doubling in 0..12 {
+    for doubling in 0..MAX_RAISES {
         let deep = context.setup.allowances.hub_allowance - hub_clearance;
         if deep <= 0.0 {
             break;
         }
-        // On an axis oblique to the hub a lift raises the clearance by only part of itself.
-        cutter.tip += cutter.axis * (1.2 * deep * f64::from(1 << doubling) + 1e-9);
+        cutter.tip += cutter.axis * (RAISE_PER_DEPTH * deep * f64::from(1 << doubling) + MIN_RAISE_MM);
         hub_clearance = context.workpiece.finished.hub_clearance(&cutter);
     }
     (cutter, hub_clearance)
@@ -233,24 +233,24 @@ fn place_cutter(context: &PlanContext, station: &Station, tool: &Tool) -> Result
     let stock = &context.setup.allowances;
     let (cutter, hub_clearance) = raise_to_allowance(context, tool.placed(station.tip, station.axis));
     let blade_clearance = context.workpiece.finished.blade_clearance(&cutter);
-    if blade_clearance < stock.blade_allowance - 1e-6 {
+    if blade_clearance < stock.blade_allowance - CLEARANCE_ROUNDING_MM {
         return Err(DropReason::Blades);
     }
     Ok(PlacedCutter { cutter, hub_clearance, blade_clearance, lift: 0.0 })
 }
 
-/// Places the cutters of a row and adds them to `columns`. With `max_lift` each plunge stops short where
-/// its core would meet stock, and is dropped where that takes more than this share of its depth in the
-/// blank.
+/// Places the cutters of a row and adds them to `columns`. With `max_lift_share` each plunge stops short
+/// where its core would meet stock, and is dropped where that takes more than this share of its depth in
+/// the blank.
 pub(super) fn cut_row(
     context: &PlanContext,
     row: PlannedRow,
     tool: &Tool,
-    max_lift: Option<f64>,
+    max_lift_share: Option<f64>,
     columns: &mut Columns,
     monitor: &Monitor,
 ) -> Result<CutRow, PlanError> {
-    cut_row_around(context, row, tool, max_lift, &[], columns, monitor)
+    cut_row_around(context, row, tool, max_lift_share, &[], columns, monitor)
 }
 
 /// As [`cut_row`]; the cutters of `fixed`, with the numbers of their stations, are placed already and are
@@ -259,7 +259,7 @@ pub(super) fn cut_row_around(
     context: &PlanContext,
     row: PlannedRow,
     tool: &Tool,
-    max_lift: Option<f64>,
+    max_lift_share: Option<f64>,
     fixed: &[(usize, PlacedCutter)],
     columns: &mut Columns,
     monitor: &Monitor,
@@ -298,9 +298,9 @@ pub(super) fn cut_row_around(
     }
     let column = |placed: &PlacedCutter| PlungeColumn::new(placed.cutter, tool.core_radius(), &top);
     let deep: Vec<Option<PlungeColumn>> = placed.par_iter().map(|p| p.as_ref().ok().map(column)).collect();
-    let Some(share) = max_lift else {
+    let Some(share) = max_lift_share else {
         columns.extend(deep.into_iter().flatten());
-        return Ok(CutRow { row, placed });
+        return Ok(CutRow::new(row, placed));
     };
     // In parallel, as if all earlier plunges reached their full depth; then in sequence those that meet
     // stock and those near a plunge that was lifted or dropped.
@@ -332,7 +332,7 @@ pub(super) fn cut_row_around(
         }
         columns.extend(place.as_ref().ok().map(column));
     }
-    Ok(CutRow { row, placed })
+    Ok(CutRow::new(row, placed))
 }
 
 /// Drops the cutters of a row that cut deeper than the tool is long, or whose shank or holder is not
@@ -379,12 +379,12 @@ fn drop_hindered(
 /// The cutter, lifted until its core is free of the stock that `earlier` plunges left.
 ///
 /// # Errors
-/// [`DropReason::Contact`] when that takes more than the share `max_lift` of its depth in the blank.
+/// [`DropReason::Contact`] when that takes more than the share `max_lift_share` of its depth in the blank.
 fn lift_clear(
     context: &PlanContext,
     mut placed: PlacedCutter,
     tool: &Tool,
-    max_lift: f64,
+    max_lift_share: f64,
     earlier: Earlier,
     top: &BlankTop,
 ) -> Result<PlacedCutter, DropReason> {
@@ -397,10 +397,10 @@ fn lift_clear(
             break;
         }
         let lift = (placed.cutter.tip - unlifted).norm() + contact;
-        if lift >= max_lift * depth - LIFT_MARGIN {
+        if lift >= max_lift_share * depth - CORE_GAP_MM {
             return Err(DropReason::Contact);
         }
-        placed.cutter.tip += placed.cutter.axis * (contact + LIFT_MARGIN);
+        placed.cutter.tip += placed.cutter.axis * (contact + CORE_GAP_MM);
     }
     placed.lift = (placed.cutter.tip - unlifted).norm();
     if placed.lift > 0.0 {

@@ -58,7 +58,7 @@ fn place_plunges_in_pool(
             None => known.get_or_make(index, context.setup, make)?,
         };
         cuts.push(cut);
-        let planned = cuts.iter().flat_map(|cut| &cut.rows).map(|row| row.placed.len()).sum();
+        let planned = cuts.iter().flat_map(|cut| &cut.rows).map(|row| row.stations.len()).sum();
         context.check_count(planned, tool, place)?;
     }
     known.store_complete(sections.len());

@@ -11,6 +11,20 @@ use crate::geometry::{CutterSolid, Meridional, MeridionalCurve, Point, Vector, n
 use crate::part::{Blank, Impeller};
 use crate::setup::Tool;
 
+/// Distance from the plane beyond which the deepest contact does not count as shown, mm.
+const BESIDE: f64 = 0.3;
+/// Samples along x.
+const SAMPLES: usize = 241;
+/// Half width of the view in cutter radii.
+const REACH: f64 = 2.2;
+/// Number of cells across the core.
+const PATCH: usize = 25;
+/// Rings of points on which the deepest contact is searched: share of the core radius, number.
+const CONTACT_RINGS: [(f64, u32); 4] = [(1.0, 192), (0.75, 64), (0.5, 32), (0.25, 8)];
+/// Maximum steps and tolerance (mm) of the sphere tracing.
+const MAX_STEPS: usize = 96;
+const NEAR: f64 = 1e-4;
+
 /// A point of the view: (x, y), mm.
 pub type SectionPoint = [f64; 2];
 
@@ -82,20 +96,6 @@ pub struct PatchCell {
     /// Height of stock above the bottom, mm; 0 where there is none.
     pub depth: f64,
 }
-
-/// Distance from the plane beyond which the deepest contact does not count as shown, mm.
-const BESIDE: f64 = 0.3;
-/// Samples along x.
-const SAMPLES: usize = 241;
-/// Half width of the view in cutter radii.
-const REACH: f64 = 2.2;
-/// Number of cells across the core.
-const PATCH: usize = 25;
-/// Rings of points on which the deepest contact is searched: share of the core radius, number.
-const CONTACT_RINGS: [(f64, u32); 4] = [(1.0, 192), (0.75, 64), (0.5, 32), (0.25, 8)];
-/// Maximum steps and tolerance (mm) of the sphere tracing.
-const MAX_STEPS: usize = 96;
-const NEAR: f64 = 1e-4;
 
 /// Sectional view along the row through position `index` of `plan`, with a hub allowance of `allowance` mm;
 /// `None` where the plan has no such position.

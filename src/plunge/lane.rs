@@ -11,6 +11,9 @@ use crate::part::{FinishedPart, Impeller, Passage, SideProbe, Workpiece};
 use crate::setup::{AllowanceSetup, Tool};
 use fit_table::{FitNode, FitTable, Reading};
 
+/// Maximum difference between two searches for the nearest point of a wall, mm: fits keep this as a margin.
+const SEARCH_ERROR: f64 = 4e-6;
+
 /// A passage with the axes of one cutter along its walls.
 #[derive(Debug)]
 pub struct Lane<'a> {
@@ -46,8 +49,10 @@ pub fn is_wall(lambda: f64) -> bool {
     lambda == 0.0 || lambda == 1.0
 }
 
-/// Maximum difference between two searches for the nearest point of a wall, mm: fits keep this as a margin.
-const SEARCH_ERROR: f64 = 4e-6;
+/// +1 where increasing θ leads into a passage of `part` from this wall, else −1.
+fn inward_sign(part: &Impeller, wall: usize) -> f64 {
+    part.pitch().signum() * if wall == 0 { 1.0 } else { -1.0 }
+}
 
 impl<'a> Lane<'a> {
     /// The lane of `tool` through `passage`, one of `workpiece`, between its finished blades.
@@ -63,11 +68,10 @@ impl<'a> Lane<'a> {
             let reach = (tool.radius() + blade_allowance) / chord.max(1e-6);
             SideProbe::new(side, from - (3.0 * reach).min(0.3), to + (4.0 * reach).clamp(0.1, 0.5))
         };
-        let inward = |wall: usize| part.pitch().signum() * if wall == 0 { 1.0 } else { -1.0 };
         let blade = |i: usize| {
             let side = passage.walls[i].whole_side();
             let (p, pu, pv) = side.derivatives(0.5, 0.5);
-            let into_passage = Vector::new(-p.y, p.x, 0.0) * inward(i);
+            let into_passage = Vector::new(-p.y, p.x, 0.0) * inward_sign(part, i);
             (SideProbe::new(side, 0.0, 1.0), pu.cross(&pv).dot(&into_passage).signum())
         };
         let spacing = (1.2 * tool.insert_width / part.hub.length()).clamp(0.004, 0.03);
@@ -120,7 +124,7 @@ impl<'a> Lane<'a> {
 
     /// +1 where increasing θ leads into the passage from this wall, else −1.
     pub fn inward_sign(&self, wall: usize) -> f64 {
-        self.part.pitch().signum() * if wall == 0 { 1.0 } else { -1.0 }
+        inward_sign(self.part, wall)
     }
 
     /// Both wall axes at the same s; `None` where a wall does not extend to these s or the cutter does not

@@ -6,7 +6,7 @@
 //! rows, the second pass and added plunges are planned for the stock that the locked ones leave.
 
 use super::context::PlanContext;
-use super::cut::{CutRow, PlannedRow, SectionCut, cut_row_around};
+use super::cut::{CutRow, CutStation, PlannedRow, SectionCut, cut_row_around};
 use super::edit_pose::position_at;
 use super::error::PlanError;
 use super::lane::AxisEnds;
@@ -59,19 +59,19 @@ pub(super) fn locked_plunges(context: &PlanContext, edits: &[PlungeEdit]) -> Vec
     let mut locked: Vec<Vec<LockedPlunge>> = vec![Vec::new(); sections.len()];
     let mut known: Vec<PlungePose> = Vec::new();
     for edit in edits {
-        let PlungeChange::Lock { tool, lift } = edit.change else { continue };
-        let Ok(number) = tool_of(context.setup, tool) else { continue };
+        let PlungeChange::Lock { tool: number, lift } = edit.change else { continue };
+        let Ok(tool) = tool_of(context.setup, number) else { continue };
         if known.iter().any(|pose| pose.is(&edit.plunge)) {
             continue;
         }
-        let plunge = locked_at(context, number, &edit.plunge, lift);
+        let plunge = locked_at(context, tool, &edit.plunge, lift);
         let outside = |section: &SectionSetup| {
             let (low, high) = (section.from.min(section.to), section.from.max(section.to));
             let s = plunge.station.ends.s_hub;
             (low - s).max(s - high).max(0.0)
         };
         let of_tool = sections.iter().enumerate();
-        let of_tool = of_tool.filter(|(_, s)| s.tool == tool && s.kind != SectionKind::Opening);
+        let of_tool = of_tool.filter(|(_, s)| s.tool == number && s.kind != SectionKind::Opening);
         let nearest = of_tool.min_by(|(_, a), (_, b)| outside(a).total_cmp(&outside(b)));
         if let Some((index, _)) = nearest {
             known.push(edit.plunge);
@@ -88,28 +88,28 @@ pub(super) fn locked_plunges(context: &PlanContext, edits: &[PlungeEdit]) -> Vec
 /// When `monitor` is cancelled.
 pub(super) fn lock_into_row(
     context: &PlanContext,
-    (tool, max_lift): (&Tool, Option<f64>),
+    (tool, max_lift_share): (&Tool, Option<f64>),
     row: CutRow,
     (columns, before): (&mut Columns, usize),
     waiting: &mut Vec<LockedPlunge>,
     monitor: &Monitor,
 ) -> Result<CutRow, PlanError> {
-    let mut places = places_in(&row.row.stations, waiting, replaced_within(context, tool));
+    let mut places = places_in(&row.stations, waiting, replaced_within(context, tool));
     if places.is_empty() {
         return Ok(row);
     }
     let blank = &context.workpiece.blank;
     loop {
-        let mut planned = row.row.clone();
+        let mut planned = row.planned();
         for &(k, number) in &places {
             planned.stations[k] = waiting[number].station;
         }
         let fixed: Vec<(usize, PlacedCutter)> =
             places.iter().map(|&(k, number)| (k, waiting[number].cutter)).collect();
         columns.truncate(before);
-        let cut = cut_row_around(context, planned, tool, max_lift, &fixed, columns, monitor)?;
+        let cut = cut_row_around(context, planned, tool, max_lift_share, &fixed, columns, monitor)?;
         let is_free = |&(k, _): &(usize, usize)| {
-            let column = before + cut.placed[..k].iter().flatten().count();
+            let column = before + cut.stations[..k].iter().filter(|at| at.placed.is_ok()).count();
             planned_contact(&columns.as_slice()[column], columns.before(column), blank) == 0.0
         };
         let free: Vec<(usize, usize)> = places.iter().copied().filter(is_free).collect();
@@ -124,11 +124,11 @@ pub(super) fn lock_into_row(
 
 /// Number of the station in whose place each of the `waiting` plunges goes that is within `reach` of one, and
 /// its own number.
-fn places_in(stations: &[Station], waiting: &[LockedPlunge], reach: f64) -> Vec<(usize, usize)> {
+fn places_in(stations: &[CutStation], waiting: &[LockedPlunge], reach: f64) -> Vec<(usize, usize)> {
     let mut places: Vec<(usize, usize)> = Vec::new();
     for (number, plunge) in waiting.iter().enumerate() {
-        let distance = |station: &Station| (station.tip - plunge.station.tip).norm();
-        let near = stations.iter().enumerate().map(|(k, station)| (k, distance(station)));
+        let distance = |at: &CutStation| (at.station.tip - plunge.station.tip).norm();
+        let near = stations.iter().enumerate().map(|(k, at)| (k, distance(at)));
         let near = near.filter(|(k, d)| *d <= reach && !places.iter().any(|(taken, _)| taken == k));
         if let Some((k, _)) = near.min_by(|(_, a), (_, b)| a.total_cmp(b)) {
             places.push((k, number));
@@ -183,7 +183,7 @@ impl SectionCut {
     /// Cuts `plunge` last, as a row of its own.
     fn push_plunge(&mut self, plunge: &LockedPlunge, tool: &Tool, top: &BlankTop) {
         let row = PlannedRow { stations: vec![plunge.station], ..PlannedRow::empty(plunge.lambda) };
-        self.rows.push(CutRow { row, placed: vec![Ok(plunge.cutter)] });
+        self.rows.push(CutRow::new(row, [Ok(plunge.cutter)]));
         self.columns.push(plunge.column(tool, top));
     }
 }

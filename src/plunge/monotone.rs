@@ -47,23 +47,23 @@ pub(super) fn plan_section(
 /// contacts is taken.
 fn plan_row(row: &RowAttempts) -> Result<PlannedRow, PlanError> {
     let maker = row.maker;
-    let max_tilt = row.context.setup.plunge.max_tilt_rad;
+    let max_tilt_rad = row.context.setup.plunge.max_tilt_rad;
     let from = |start: &RowStart, contacts: Contacts| {
         row.converge(start, contacts, |conventional, accept| {
             let rest = conventional.get(1..).unwrap_or_default();
-            maker.monotone_after(start.first, rest, max_tilt, accept)
+            maker.monotone_after(start.first, rest, max_tilt_rad, accept)
         })
     };
     // For each retreat: shift of W that the previous lead angle needed, in s.
-    let mut moved = [0.0; START_RETREATS.len()];
+    let mut moved_s = [0.0; START_RETREATS.len()];
     // Starts with the number of positions that each got free of contact.
     let mut tried: Vec<(usize, RowStart)> = Vec::new();
     for lead_rad in std::iter::once(None).chain(START_LEADS_DEG.iter().map(|d| Some(d.to_radians()))) {
         maker.monitor.check()?;
         let start = row.find_free_start(|retreat, first| {
             let Some(lead_rad) = lead_rad else { return first };
-            let first = maker.with_min_lead_angle(&first, lead_rad, moved[retreat], max_tilt);
-            moved[retreat] = first.shroud_shift();
+            let first = maker.with_min_lead_angle(&first, lead_rad, moved_s[retreat], max_tilt_rad);
+            moved_s[retreat] = first.shroud_shift();
             first
         });
         let Some(start) = start else { continue };
@@ -106,19 +106,20 @@ impl RowMaker<'_> {
         station.alpha_rad * self.direction_sign
     }
 
-    /// Applies the rule to a conventional row. `start` is the minimum lead angle (rad) of the first position,
-    /// `None` to leave it unchanged. Axes are inclined by at most `max_tilt` (rad) from the conventional
+    /// Applies the rule to a conventional row. `start_rad` is the minimum lead angle of the first position,
+    /// `None` to leave it unchanged. Axes are inclined by at most `max_tilt_rad` from the conventional
     /// ones. `accept` is called with the row so far after each position; `None` when it returns `false`.
     pub fn monotone(
         &self,
         conventional: &[Station],
-        start: Option<f64>,
-        max_tilt: f64,
+        start_rad: Option<f64>,
+        max_tilt_rad: f64,
         accept: &mut dyn FnMut(&[Station]) -> bool,
     ) -> Option<Vec<Station>> {
         let Some((first, rest)) = conventional.split_first() else { return Some(Vec::new()) };
-        let first = start.map_or(*first, |lead_rad| self.with_min_lead_angle(first, lead_rad, 0.0, max_tilt));
-        self.monotone_after(first, rest, max_tilt, accept)
+        let first =
+            start_rad.map_or(*first, |lead_rad| self.with_min_lead_angle(first, lead_rad, 0.0, max_tilt_rad));
+        self.monotone_after(first, rest, max_tilt_rad, accept)
     }
 
     /// As [`Self::monotone`], with a final `first` position and the conventional `rest`.
@@ -126,7 +127,7 @@ impl RowMaker<'_> {
         &self,
         first: Station,
         rest: &[Station],
-        max_tilt: f64,
+        max_tilt_rad: f64,
         accept: &mut dyn FnMut(&[Station]) -> bool,
     ) -> Option<Vec<Station>> {
         let mut row: Vec<Station> = Vec::with_capacity(rest.len() + 1);
@@ -136,18 +137,24 @@ impl RowMaker<'_> {
             if !accept(&row) {
                 return None;
             }
-            let wanted = self.lead_angle(&previous) + MIN_GROWTH_RAD;
-            previous = self.with_min_lead_angle(station, wanted, previous.shroud_shift(), max_tilt);
+            let min_lead_rad = self.lead_angle(&previous) + MIN_GROWTH_RAD;
+            previous = self.with_min_lead_angle(station, min_lead_rad, previous.shroud_shift(), max_tilt_rad);
             row.push(previous);
         }
         accept(&row).then_some(row)
     }
 
-    /// The station with W moved by the smallest amount for which its lead angle is at least `wanted` (rad).
+    /// The station with W moved by the smallest amount for which its lead angle is at least `min_lead_rad`.
     /// Where that is impossible, the last one that blades, shroud and tilt limit allow, marked as blocked.
-    /// `likely` is the amount the neighbour needed, in s: the first guess of the bracket.
-    pub fn with_min_lead_angle(&self, from: &Station, wanted: f64, likely: f64, max_tilt: f64) -> Station {
-        if self.lead_angle(from) >= wanted {
+    /// `likely_s` is the amount the neighbour needed: the first guess of the bracket.
+    pub fn with_min_lead_angle(
+        &self,
+        from: &Station,
+        min_lead_rad: f64,
+        likely_s: f64,
+        max_tilt_rad: f64,
+    ) -> Station {
+        if self.lead_angle(from) >= min_lead_rad {
             return *from;
         }
         let moved = |amount: f64| -> Result<Station, Blocked> {
@@ -156,17 +163,17 @@ impl RowMaker<'_> {
                 return Err(Blocked::ShroudEnd);
             }
             let station = self.draft(from.ends.s_hub, s_shroud).ok_or(Blocked::Walls)?;
-            if station.axis.angle(&from.axis) > max_tilt {
+            if station.axis.angle(&from.axis) > max_tilt_rad {
                 return Err(Blocked::TiltLimit);
             }
             Ok(Station { s_shroud_conventional: from.s_shroud_conventional, ..station })
         };
-        // The bracket holds (amount, lead angle minus `wanted`): drafts are cheap to compute again.
-        let excess = |amount: f64| moved(amount).map(|s| self.lead_angle(&s) - wanted);
+        // The bracket holds (amount, lead angle minus `min_lead_rad`): drafts are cheap to compute again.
+        let excess = |amount: f64| moved(amount).map(|s| self.lead_angle(&s) - min_lead_rad);
         let unit = 1.0 / self.part.shroud.length();
-        let mut low = (0.0, self.lead_angle(from) - wanted);
-        let mut step = likely.max(0.5 * unit);
-        let mut stride = (0.02 * likely).max(0.3 * unit);
+        let mut low = (0.0, self.lead_angle(from) - min_lead_rad);
+        let mut step = likely_s.max(0.5 * unit);
+        let mut stride = (0.02 * likely_s).max(0.3 * unit);
         let high = loop {
             match excess(step) {
                 Ok(more) if more >= 0.0 => break (step, more),
@@ -199,7 +206,7 @@ impl RowMaker<'_> {
         let mut nudge = SHROUD_TOLERANCE;
         for _ in 0..24 {
             if let Some(station) = moved(amount).ok().and_then(|s| self.exact(&s))
-                && self.lead_angle(&station) >= wanted
+                && self.lead_angle(&station) >= min_lead_rad
             {
                 return station;
             }

@@ -4,7 +4,7 @@ use super::context::PlanContext;
 use super::cut::{PlannedRow, SectionCut, cut_row};
 use super::error::PlanError;
 use super::lane::AxisEnds;
-use super::minimal::MAX_LIFT_OF_DEPTH;
+use super::minimal::MINIMAL_MAX_LIFT_SHARE;
 use super::opening::Opening;
 use super::row::Station;
 use super::row_density::RowDensity;
@@ -43,7 +43,7 @@ pub(super) fn opening_section(
         let row = PlannedRow { stations, iterations: 1, ..PlannedRow::empty(row.share) };
         // Each row on its own, so that it is free of contact whichever others a plan keeps.
         let mut own = Columns::default();
-        rows.push(cut_row(context, row, tool, Some(MAX_LIFT_OF_DEPTH), &mut own, monitor)?);
+        rows.push(cut_row(context, row, tool, Some(MINIMAL_MAX_LIFT_SHARE), &mut own, monitor)?);
     }
     let top = BlankTop::new(&context.workpiece.blank);
     let mut cut = SectionCut::empty(CutDirection::OutletToInlet, Columns::default());

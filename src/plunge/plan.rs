@@ -12,6 +12,13 @@ use crate::geometry::{Point, Vector, rotate_vector_z};
 use crate::part::{Blank, Impeller};
 use crate::setup::{AxisPolicy, CutDirection, SectionKind, Setup, TILT_TOLERANCE, Tool, falls_short};
 
+/// Largest number of interruptions of one plunge.
+const MAX_PECKS: usize = 100;
+/// Distance of the retract that breaks the chip, mm, and its maximum as a share of the depth between two
+/// interruptions.
+const CHIP_BREAK: f64 = 0.5;
+const CHIP_BREAK_SHARE: f64 = 0.5;
+
 /// What is measured of a plunge once axes and depths of all plunges are final: it depends on those before it
 /// and, for the links, on those beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,9 +59,9 @@ impl PlungeMotion {
         tip + self.lead_out + axis * self.lead_out.norm()
     }
 
-    /// It, with the part turned about Z by `angle`, rad.
-    pub fn rotated_z(&self, angle: f64) -> Self {
-        Self { lead_out: rotate_vector_z(&self.lead_out, angle), ..*self }
+    /// It, with the part turned about Z by `angle_rad`.
+    pub fn rotated_z(&self, angle_rad: f64) -> Self {
+        Self { lead_out: rotate_vector_z(&self.lead_out, angle_rad), ..*self }
     }
 }
 
@@ -66,13 +73,6 @@ pub struct Pecking {
     /// Depth between two of them, mm.
     pub depth: f64,
 }
-
-/// Largest number of interruptions of one plunge.
-const MAX_PECKS: usize = 100;
-/// Distance of the retract that breaks the chip, mm, and its maximum as a share of the depth between two
-/// interruptions.
-const CHIP_BREAK: f64 = 0.5;
-const CHIP_BREAK_SHARE: f64 = 0.5;
 
 impl Pecking {
     /// Heights above the tip at which the plunge is interrupted, in cutting order, mm.

@@ -47,6 +47,6 @@ pub(super) fn plan_section(
             staircase::plan_section(context, index, columns, monitor)
         }
         (SectionKind::Rows, AxisPolicy::Monotone) => monotone::plan_section(context, index, columns, monitor),
-        (SectionKind::Rows, AxisPolicy::Minimal) => minimal::plan_section(context, index, &columns, monitor),
+        (SectionKind::Rows, AxisPolicy::Minimal) => minimal::plan_section(context, index, columns, monitor),
     }
 }

@@ -1,6 +1,6 @@
 //! The largest plan.
 
-use super::spacing::step_limit;
+use super::spacing::{default_step, default_stepover, step_limit};
 use crate::error::ErrorCode;
 use crate::setup::{PlungeSetup, SetupFault, SetupPlace, Tool};
 
@@ -15,10 +15,9 @@ pub(super) fn too_many_positions(
     tool: &Tool,
     place: SetupPlace,
 ) -> SetupFault {
-    let step = 0.8 * tool.insert_width;
     let asked = [
-        (plunge.step, step, "step"),
-        (plunge.stepover, 4.0 / 3.0 * tool.radius(), "stepover"),
+        (plunge.step, default_step(tool), "step"),
+        (plunge.stepover, default_stepover(tool), "stepover"),
         (Some(step_limit(plunge, tool, true)), step_limit(plunge, tool, false), "wall_scallop"),
     ];
     let finest = asked

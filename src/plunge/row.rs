@@ -8,6 +8,18 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::part::Impeller;
 use crate::setup::Tool;
 
+/// Maximum number of samples or coarse stations along a row: a bound on time and memory where the step is
+/// tiny beside the row.
+const MAX_SAMPLES: usize = 4000;
+/// Distance of the coarse stations of a row, in step limits: they only measure by how much a row that runs
+/// oblique to the meridian is longer.
+const COARSE_STEPS: f64 = 3.0;
+/// Maximum number of stations for each coarse one: a bound where a row is stretched without limit.
+const MAX_PER_COARSE: usize = 64;
+/// Distance on the hub, in step limits, up to which another station between two would not help: their axes
+/// spread.
+const TOO_CLOSE_STEPS: f64 = 0.02;
+
 /// One position while it is being planned.
 #[derive(Clone, Copy, Debug)]
 pub struct Station {
@@ -30,18 +42,18 @@ pub struct Station {
 }
 
 impl Station {
-    /// The station turned about Z by `angle`, rad.
-    pub fn turned(&self, angle: f64) -> Self {
+    /// The station turned about Z by `angle_rad`.
+    pub fn turned(&self, angle_rad: f64) -> Self {
         let ends = AxisEnds {
-            theta_hub: self.ends.theta_hub + angle,
-            theta_shroud: self.ends.theta_shroud + angle,
+            theta_hub: self.ends.theta_hub + angle_rad,
+            theta_shroud: self.ends.theta_shroud + angle_rad,
             ..self.ends
         };
         Self {
             ends,
-            tip: rotate_z(&self.tip, angle),
-            axis: rotate_vector_z(&self.axis, angle),
-            contact_point: rotate_z(&self.contact_point, angle),
+            tip: rotate_z(&self.tip, angle_rad),
+            axis: rotate_vector_z(&self.axis, angle_rad),
+            contact_point: rotate_z(&self.contact_point, angle_rad),
             ..*self
         }
     }
@@ -165,7 +177,7 @@ impl RowMaker<'_> {
     /// When the work is cancelled.
     pub fn runs(&self, start: f64, end: f64) -> Result<Runs, Cancelled> {
         let length = (end - start).abs() * self.part.hub.length().max(self.part.shroud.length());
-        let count = ((length / self.step_limit).ceil() as usize).clamp(1, 4000);
+        let count = ((length / self.step_limit).ceil() as usize).clamp(1, MAX_SAMPLES);
         let mut runs = Runs::default();
         let mut open: Option<(f64, f64)> = None;
         for i in 0..=count {
@@ -194,7 +206,7 @@ impl RowMaker<'_> {
         };
         let run = (end - start).abs();
         let longest = run * self.part.hub.length().max(self.part.shroud.length());
-        let coarse = ((longest / self.step_limit / 3.0).ceil() as usize).clamp(1, 4000);
+        let coarse = ((longest / self.step_limit / COARSE_STEPS).ceil() as usize).clamp(1, MAX_SAMPLES);
         let at = |i: usize, n: usize| start + (end - start) * i as f64 / n as f64;
         let mut sparse = Vec::with_capacity(coarse + 1);
         for i in 0..=coarse {
@@ -205,7 +217,7 @@ impl RowMaker<'_> {
         }
         // Rows run oblique to the meridian, so the spacing is measured on a coarse row first.
         let stretch = sparse.windows(2).map(|w| self.spacing(&w[0], &w[1])).fold(0.0, f64::max);
-        let per_gap = ((stretch / self.step_limit - 1e-9).ceil() as usize).clamp(1, 64);
+        let per_gap = ((stretch / self.step_limit - 1e-9).ceil() as usize).clamp(1, MAX_PER_COARSE);
         if per_gap == 1 {
             return Ok(sparse);
         }
@@ -234,7 +246,7 @@ impl RowMaker<'_> {
     /// exceeds the step limit, and they are not yet so close on the hub that inserting would not help.
     pub fn needs_another(&self, a: &Station, b: &Station, apart: f64) -> bool {
         self.spacing(a, b) > self.step_limit * (1.0 + 1e-9)
-            && apart.abs() * self.part.hub.length() > 0.02 * self.step_limit
+            && apart.abs() * self.part.hub.length() > TOO_CLOSE_STEPS * self.step_limit
     }
 
     /// Stage 2: inserts isoparametric stations into `conventional` wherever the spacing of the `optimised`

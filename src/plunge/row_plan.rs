@@ -28,7 +28,7 @@ pub(super) const START_RETREATS: [f64; 8] = [0.0, 0.1, 0.2, 0.35, 0.55, 0.8, 1.2
 pub(super) type PlanRow = dyn Fn(&RowAttempts) -> Result<PlannedRow, PlanError> + Sync;
 
 /// Plans section `index` after the plunges of `columns`: each row on its own by `plan_row`, then they are cut
-/// one after the other. With `max_lift` plunges stop short of stock, see [`cut_row`].
+/// one after the other. With `max_lift_share` plunges stop short of stock, see [`cut_row`].
 ///
 /// # Errors
 /// As [`Planner::plan`](super::Planner::plan).
@@ -36,7 +36,7 @@ pub(super) fn cut_rows(
     context: &PlanContext,
     index: usize,
     columns: Columns,
-    max_lift: Option<f64>,
+    max_lift_share: Option<f64>,
     plan_row: &PlanRow,
     monitor: &Monitor,
 ) -> Result<SectionCut, PlanError> {
@@ -54,10 +54,10 @@ pub(super) fn cut_rows(
     let (mut waiting, closing) = (context.locked(index), &monitor.ignoring_stop());
     for row in rows {
         let before = cut.columns.len();
-        let row = cut_row(context, row, tool, max_lift, &mut cut.columns, closing)?;
+        let row = cut_row(context, row, tool, max_lift_share, &mut cut.columns, closing)?;
         let columns = (&mut cut.columns, before);
         let count = waiting.len();
-        let row = lock_into_row(context, (tool, max_lift), row, columns, &mut waiting, closing)?;
+        let row = lock_into_row(context, (tool, max_lift_share), row, columns, &mut waiting, closing)?;
         if waiting.len() < count {
             cut.rows.extend(row.split_where_axes_turn(context.setup.plunge.max_axis_change_rad));
         } else {

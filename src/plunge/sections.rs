@@ -22,6 +22,23 @@ use crate::setup::{
 
 /// Number of given tools up to which a plan keeps those that it does not use.
 const MAX_KEPT_TOOLS: usize = 500;
+/// Largest diameters, as shares of the free width at the outlet, with which three rows fit there, or two.
+const SHARE_OF_THREE_ROWS: f64 = 0.65;
+const SHARE_OF_TWO_ROWS: f64 = 0.85;
+/// Share of the places up to which the larger cutter is worth the stock that it leaves.
+const WORTH_TWO_ROWS: f64 = 0.7;
+/// s from which on the channel counts as its outlet where the free width is measured.
+const OUTLET_FROM_S: f64 = 0.7;
+/// Largest diameter to choose from a library, in radii of the rim: a wider one bridges the curvature of the
+/// hub.
+const RIM_RADIUS_SHARE: f64 = 0.12;
+/// The same, in depths of the outlet.
+const OUTLET_DEPTHS: f64 = 2.0;
+/// Largest hub allowance, as a share of the greatest height of the channel: with more, next to nothing is
+/// left to plunge.
+const MAX_ALLOWANCE_SHARE: f64 = 0.9;
+/// Width that the smallest cutter needs to cut at all, in diameters.
+const MIN_WIDTH_DIAMETERS: f64 = 1.25;
 
 /// A setup with all defaults filled in.
 #[derive(Clone, Debug, PartialEq)]
@@ -149,20 +166,14 @@ fn choose_from_library(
     if places_of_two < WORTH_TWO_ROWS * places { chosen_of_two } else { chosen }
 }
 
-/// Largest diameters, as shares of the free width at the outlet, with which three rows fit there, or two.
-const SHARE_OF_THREE_ROWS: f64 = 0.65;
-const SHARE_OF_TWO_ROWS: f64 = 0.85;
-/// Share of the places up to which the larger cutter is worth the stock that it leaves.
-const WORTH_TWO_ROWS: f64 = 0.7;
-
 /// Largest diameter to choose from a library, mm: at most this `share` of the free width at the outlet. The
 /// cutter also must not bridge the curvature of the hub, nor be much wider than the outlet is deep.
 fn largest_diameter(share: f64, setup: &Setup, part: &Impeller, survey: &Survey) -> f64 {
-    let outlet = survey.stations.iter().filter(|station| station.s >= 0.7 - 1e-9);
+    let outlet = survey.stations.iter().filter(|station| station.s >= OUTLET_FROM_S - 1e-9);
     let width = outlet.map(|station| station.narrowest).fold(f64::INFINITY, f64::min);
     let free_width = width - 2.0 * setup.allowances.blade_allowance;
     let depth = part.hub.point(1.0).distance(part.shroud.point(1.0));
-    (share * free_width).min(0.12 * part.rim_radius()).min(2.0 * depth)
+    (share * free_width).min(RIM_RADIUS_SHARE * part.rim_radius()).min(OUTLET_DEPTHS * depth)
 }
 
 /// Checks that the setup is for this part.
@@ -184,7 +195,7 @@ pub fn check_part(setup: &Setup, part: &Impeller) -> Result<(), SetupFault> {
 fn check_hub_allowance(setup: &Setup, part: &Impeller) -> Result<(), SetupFault> {
     let height_at = |s: f64| part.hub.point(s).distance(part.shroud.point(s));
     let height = (0..=50).map(|i| height_at(f64::from(i) / 50.0)).fold(0.0, f64::max);
-    if setup.allowances.hub_allowance < 0.9 * height {
+    if setup.allowances.hub_allowance < MAX_ALLOWANCE_SHARE * height {
         return Ok(());
     }
     Err(SetupFault::new(
@@ -193,7 +204,7 @@ fn check_hub_allowance(setup: &Setup, part: &Impeller) -> Result<(), SetupFault>
             "`hub_allowance` is {}, but hub and shroud are {height:.2} mm apart at most",
             setup.allowances.hub_allowance
         ),
-        format!("give less than {:.2} mm", 0.9 * height),
+        format!("give less than {:.2} mm", MAX_ALLOWANCE_SHARE * height),
     )
     .at(SetupPlace::Stock("hub_allowance")))
 }
@@ -238,9 +249,6 @@ fn check_blade_allowance(setup: &Setup, survey: &Survey) -> Result<(), SetupFaul
     )
     .at(SetupPlace::Stock("blade_allowance")))
 }
-
-/// Width that the smallest cutter needs to cut at all, in diameters.
-const MIN_WIDTH_DIAMETERS: f64 = 1.25;
 
 /// Errors when no section has a station that its cutter fits. Where a cutter fits in a part of its section,
 /// that part is planned.

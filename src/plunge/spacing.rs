@@ -3,11 +3,28 @@
 use crate::setup::cutting_data::step_by_stick_out;
 use crate::setup::{PlungeSetup, Tool};
 
+/// Default step along a row, in insert widths: with a reserve to the whole width, which is the most that a step
+/// may be.
+const STEP_INSERT_WIDTHS: f64 = 0.8;
+/// Default stepover between rows, in cutter radii.
+const STEPOVER_RADII: f64 = 4.0 / 3.0;
+
+/// Step along a row where the setup gives none, mm; a long stick-out permits less, see [`step_limit`].
+pub fn default_step(tool: &Tool) -> f64 {
+    STEP_INSERT_WIDTHS * tool.insert_width
+}
+
+/// Stepover between rows where the setup gives none, mm.
+pub fn default_stepover(tool: &Tool) -> f64 {
+    STEPOVER_RADII * tool.radius()
+}
+
 /// Upper limit of the step along a row, mm: what insert width and stick-out permit and the `step` of the
 /// setup, and for wall rows the step S ≤ 2·√(2Rh − h²) that leaves the scallop height h.
 pub fn step_limit(plunge: &PlungeSetup, tool: &Tool, wall_row: bool) -> f64 {
     let radius = tool.radius();
-    let limit = step_by_stick_out(tool).min(radius).min(plunge.step.unwrap_or(0.8 * tool.insert_width));
+    let asked = plunge.step.unwrap_or_else(|| default_step(tool));
+    let limit = step_by_stick_out(tool).min(radius).min(asked);
     if wall_row { limit.min(scallop_step(plunge, tool)) } else { limit }
 }
 
@@ -20,7 +37,7 @@ pub fn scallop_step(plunge: &PlungeSetup, tool: &Tool) -> f64 {
 
 /// Maximum stepover between rows on the hub, mm.
 pub fn stepover(plunge: &PlungeSetup, tool: &Tool) -> f64 {
-    plunge.stepover.unwrap_or(4.0 / 3.0 * tool.radius())
+    plunge.stepover.unwrap_or_else(|| default_stepover(tool))
 }
 
 /// Maximum distance of neighbouring axes at the shroud without uncut stock between them, mm.

@@ -10,7 +10,7 @@ use crate::cutting::contact::Columns;
 use crate::monitor::Monitor;
 
 /// Largest lift of a plunge, as a share of its depth in the blank: a plunge that would cut anything is kept.
-const MAX_LIFT_OF_DEPTH: f64 = 1.0;
+const STAIRCASE_MAX_LIFT_SHARE: f64 = 1.0;
 
 /// Plans section `index` after the plunges of `columns`.
 ///
@@ -22,5 +22,5 @@ pub(super) fn plan_section(
     columns: Columns,
     monitor: &Monitor,
 ) -> Result<SectionCut, PlanError> {
-    cut_rows(context, index, columns, Some(MAX_LIFT_OF_DEPTH), &plan_row, monitor)
+    cut_rows(context, index, columns, Some(STAIRCASE_MAX_LIFT_SHARE), &plan_row, monitor)
 }

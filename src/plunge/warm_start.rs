@@ -11,7 +11,7 @@ use super::cut::{PlannedRow, SectionCut, cut_row};
 use super::cycle::assemble_plan;
 use super::error::PlanError;
 use super::evaluation::evaluate;
-use super::minimal::MAX_LIFT_OF_DEPTH;
+use super::minimal::MINIMAL_MAX_LIFT_SHARE;
 use super::opening_section::opening_section;
 use super::plan::PlungePlan;
 use super::row::Station;
@@ -68,8 +68,8 @@ fn warm_start_section(
     };
     let mut cut = SectionCut { added: before.added, ..SectionCut::empty(before.feed, columns) };
     for row in &before.rows {
-        let lambda = row.lambda();
-        let stations: Vec<&Station> = row.stations().collect();
+        let lambda = row.lambda;
+        let stations: Vec<&Station> = row.kept_stations().collect();
         let stations: Vec<Station> = stations
             .into_par_iter()
             .filter_map(|station| refit_station(context, station, lambda, layouts, tool, before, monitor))
@@ -78,7 +78,7 @@ fn warm_start_section(
             })
             .collect();
         let row = PlannedRow { stations, iterations: 1, ..PlannedRow::empty(lambda) };
-        let row = cut_row(context, row, tool, Some(MAX_LIFT_OF_DEPTH), &mut cut.columns, monitor)?;
+        let row = cut_row(context, row, tool, Some(MINIMAL_MAX_LIFT_SHARE), &mut cut.columns, monitor)?;
         cut.rows.extend(row.split_where_axes_turn(context.setup.plunge.max_axis_change_rad));
     }
     Ok(cut)

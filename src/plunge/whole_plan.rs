@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::assembly::DropCause;
 use super::context::PlanContext;
-use super::cut::{CutRow, SectionCut};
+use super::cut::{CutStation, SectionCut};
 use super::error::PlanError;
 use super::placed_cutter::PlacedCutter;
 use super::plan::{Dropped, PlungePlan, Position, SectionPlan, Unevaluated};
@@ -54,7 +54,7 @@ pub(super) fn assemble_all(
             kind: section.kind,
             added: cut.added,
         });
-        for (row_index, CutRow { row, placed }) in cut.rows.iter().enumerate() {
+        for (row_index, row) in cut.rows.iter().enumerate() {
             plan.iterations = plan.iterations.max(row.iterations);
             plan.converged &= row.converged;
             let missing = row.missing.iter();
@@ -65,7 +65,7 @@ pub(super) fn assemble_all(
                 why,
                 stick_out,
             }));
-            for (station, placed) in row.stations.iter().zip(placed) {
+            for CutStation { station, placed } in &row.stations {
                 let placed = match placed {
                     Ok(placed) => placed,
                     Err(why) => {

@@ -2,6 +2,10 @@
 
 use std::f64::consts::TAU;
 
+/// Imbalances and distances that differ by less are equal: they are computed from sines, and a difference of
+/// channels of the same wheel is far greater.
+const SAME: f64 = 1e-9;
+
 /// What a program of several channels finishes first: key `order` of `[channels]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ChannelOrder {
@@ -42,10 +46,6 @@ pub enum ChannelSequence {
     /// Each is followed by the one opposite to it, so that the wheel is relieved evenly.
     Opposite,
 }
-
-/// Imbalances and distances that differ by less are equal: they are computed from sines, and a difference of
-/// channels of the same wheel is far greater.
-const SAME: f64 = 1e-9;
 
 impl ChannelSequence {
     /// All sequences, the default first.

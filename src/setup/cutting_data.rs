@@ -2,6 +2,41 @@
 
 use super::{Tool, ToolAssembly};
 
+/// Least and greatest spindle speed that a tool may have, rev/min.
+pub const SPINDLE_RANGE: [f64; 2] = [1.0, 1e6];
+/// Least and greatest plunge feed, mm/min.
+pub const PLUNGE_FEED_RANGE: [f64; 2] = [0.01, 1e5];
+/// Feed rate and spindle speed of a tool that says nothing about them, in no known material.
+const DEFAULT_FEED: f64 = 300.0;
+const DEFAULT_SPINDLE: f64 = 1200.0;
+/// Greatest spindle speed that cutting data lead to, rev/min.
+const MAX_SPINDLE: f64 = 20_000.0;
+/// Teeth of a tool that does not say how many it has, where its feed rate comes from cutting data: the fewest
+/// that plunge quietly.
+pub const ASSUMED_TEETH: u32 = 2;
+/// Greatest step along a row, in insert widths, by the largest stick-out in diameters: the whole width up to
+/// 4 D, less where a tool is more slender, as its overhang decides on the radial cut (Dormer Pramet 2021,
+/// p. 774, which ends at 8 D).
+const STEP_OF_INSERTS: [(f64, f64); 4] = [(4.0, 1.0), (8.5, 0.8), (10.0, 0.65), (f64::INFINITY, 0.5)];
+/// The same of solid cutters, which are made up to 15 D.
+const STEP_OF_SOLID: [(f64, f64); 3] = [(5.0, 1.0), (15.5, 0.8), (f64::INFINITY, 0.5)];
+/// Diameter from which on cutters have inserts, mm.
+const INSERTS_FROM: f64 = 13.0;
+/// Engaged arcs, rad: up to which a cutter cuts beside what is open, and from which on a plunge counts as one
+/// into full stock. Between them the feed rate goes down.
+const HALF_ARC_RAD: f64 = std::f64::consts::PI;
+const FULL_ARC_RAD: f64 = 300.0 * std::f64::consts::PI / 180.0;
+/// Engaged arcs between which the feed rate goes down from the greatest to that of the tool, rad.
+const SMALL_ARC_RAD: f64 = 60.0 * std::f64::consts::PI / 180.0;
+const USUAL_ARC_RAD: f64 = 150.0 * std::f64::consts::PI / 180.0;
+/// Share of the feed rate into full stock: half, as makers give for ramps (Kyocera general catalogue 2021,
+/// p. M136).
+const FULL_SHARE: f64 = 0.5;
+/// The same where the cut is interrupted, and where little is engaged (Dormer Pramet 2021, p. 210: 25 % less
+/// where a tool vibrates, 25 % more where it is rigid).
+const INTERRUPTED_SHARE: f64 = 0.75;
+const SMALL_SHARE: f64 = 1.25;
+
 /// A group of materials that are cut alike, by ISO 513.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MaterialGroup {
@@ -204,29 +239,6 @@ pub fn usual_feed(
     }
 }
 
-/// Least and greatest spindle speed that a tool may have, rev/min.
-pub const SPINDLE_RANGE: [f64; 2] = [1.0, 1e6];
-/// Least and greatest plunge feed, mm/min.
-pub const PLUNGE_FEED_RANGE: [f64; 2] = [0.01, 1e5];
-
-/// Feed rate and spindle speed of a tool that says nothing about them, in no known material.
-const DEFAULT_FEED: f64 = 300.0;
-const DEFAULT_SPINDLE: f64 = 1200.0;
-/// Greatest spindle speed that cutting data lead to, rev/min.
-const MAX_SPINDLE: f64 = 20_000.0;
-/// Teeth of a tool that does not say how many it has, where its feed rate comes from cutting data: the fewest
-/// that plunge quietly.
-pub const ASSUMED_TEETH: u32 = 2;
-
-/// Greatest step along a row, in insert widths, by the largest stick-out in diameters: the whole width up to
-/// 4 D, less where a tool is more slender, as its overhang decides on the radial cut (Dormer Pramet 2021,
-/// p. 774, which ends at 8 D).
-const STEP_OF_INSERTS: [(f64, f64); 4] = [(4.0, 1.0), (8.5, 0.8), (10.0, 0.65), (f64::INFINITY, 0.5)];
-/// The same of solid cutters, which are made up to 15 D.
-const STEP_OF_SOLID: [(f64, f64); 3] = [(5.0, 1.0), (15.5, 0.8), (f64::INFINITY, 0.5)];
-/// Diameter from which on cutters have inserts, mm.
-const INSERTS_FROM: f64 = 13.0;
-
 /// Greatest step along a row that insert width and stick-out of `tool` permit, mm.
 pub fn step_by_stick_out(tool: &Tool) -> f64 {
     let table: &[(f64, f64)] = if tool.diameter < INSERTS_FROM { &STEP_OF_SOLID } else { &STEP_OF_INSERTS };
@@ -234,21 +246,6 @@ pub fn step_by_stick_out(tool: &Tool) -> f64 {
     let share = table.iter().find(|(most, _)| slender <= *most).map_or(0.5, |(_, share)| *share);
     share * tool.insert_width
 }
-
-/// Engaged arcs, rad: up to which a cutter cuts beside what is open, and from which on a plunge counts as one
-/// into full stock. Between them the feed rate goes down.
-const HALF_ARC_RAD: f64 = std::f64::consts::PI;
-const FULL_ARC_RAD: f64 = 300.0 * std::f64::consts::PI / 180.0;
-/// Engaged arcs between which the feed rate goes down from the greatest to that of the tool, rad.
-const SMALL_ARC_RAD: f64 = 60.0 * std::f64::consts::PI / 180.0;
-const USUAL_ARC_RAD: f64 = 150.0 * std::f64::consts::PI / 180.0;
-/// Share of the feed rate into full stock: half, as makers give for ramps (Kyocera general catalogue 2021,
-/// p. M136).
-const FULL_SHARE: f64 = 0.5;
-/// The same where the cut is interrupted, and where little is engaged (Dormer Pramet 2021, p. 210: 25 % less
-/// where a tool vibrates, 25 % more where it is rigid).
-const INTERRUPTED_SHARE: f64 = 0.75;
-const SMALL_SHARE: f64 = 1.25;
 
 /// Feed rate of a plunge of `tool`, mm/min, with an engaged arc of at most `arc_rad`: `None` where the tool
 /// does not say how many teeth it has, so that the feed per tooth is unknown. `range`: least and greatest

@@ -2,6 +2,9 @@
 
 use super::Tool;
 
+/// Largest default of the feed rate down to the stock, mm/min.
+const MAX_APPROACH: f64 = 5000.0;
+
 /// Strategy of the flank planner: how passes fill the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -72,9 +75,6 @@ pub struct FlankFeedRates {
     /// Down to the stock.
     pub approach_mm_per_min: f64,
 }
-
-/// Largest default of the feed rate down to the stock, mm/min.
-const MAX_APPROACH: f64 = 5000.0;
 
 impl FlankSetup {
     /// Feed rates with `tool`.

@@ -133,9 +133,9 @@ impl SectionKind {
 pub struct PlungeSetup {
     /// Policy of the result.
     pub axis: AxisPolicy,
-    /// Upper limit of the step along a row, mm; absent: the insert width of each tool.
+    /// Upper limit of the step along a row, mm; absent: 0.8 × the insert width of each tool.
     pub step: Option<f64>,
-    /// Upper limit of the stepover between rows, mm; absent: 4/3 of each tool's radius.
+    /// Upper limit of the stepover between rows, mm; absent: 4/3 of the radius of each tool.
     pub stepover: Option<f64>,
     /// Largest scallop height between plunges along a wall, mm.
     pub wall_scallop: f64,

@@ -12,6 +12,21 @@ use crate::error::ErrorCode;
 use crate::geometry::Vector;
 use crate::part::{Blank, BlankShape, Channel, Impeller, PassageWidth, Workpiece};
 
+/// Tilt beyond the machine's limit that is tolerated as rounding, rad.
+pub const TILT_TOLERANCE: f64 = 1e-6;
+/// Ratio of the outlet diameter to the default allowances on a small wheel.
+const ALLOWANCES_PER_DIAMETER: f64 = 200.0;
+/// Default allowances on wheels of usual size, mm, and the diameter above which they grow again, mm.
+const USUAL_ALLOWANCE: f64 = 0.5;
+const LARGE_DIAMETER: f64 = 500.0;
+/// Largest default allowance, as shares of the narrowest passage and of the least height of the channel.
+const NARROWEST_SHARE: f64 = 0.1;
+const HEIGHT_SHARE: f64 = 0.1;
+/// Stations along the channel at which its width and height are sampled.
+const STATIONS: u32 = 40;
+/// Smallest default allowance, mm.
+const MIN_ALLOWANCE: f64 = 0.02;
+
 /// `[stock]`: allowances and clearances, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AllowanceSetup {
@@ -88,9 +103,6 @@ impl AllowanceSetup {
     }
 }
 
-/// Tilt beyond the machine's limit that is tolerated as rounding, rad.
-pub const TILT_TOLERANCE: f64 = 1e-6;
-
 /// `[machine]`: the machine and its limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Machine {
@@ -142,15 +154,6 @@ impl Setup {
         Self { flank: other.flank.clone(), ..self.clone() } == *other
     }
 }
-
-/// Ratio of the outlet diameter to the default allowances on a small wheel.
-const ALLOWANCES_PER_DIAMETER: f64 = 200.0;
-/// Default allowances on wheels of usual size, mm, and the diameter above which they grow again, mm.
-const USUAL_ALLOWANCE: f64 = 0.5;
-const LARGE_DIAMETER: f64 = 500.0;
-/// Largest default allowance, as shares of the narrowest passage and of the least height of the channel.
-const NARROWEST_SHARE: f64 = 0.1;
-const HEIGHT_SHARE: f64 = 0.1;
 
 impl Setup {
     /// The setup of an empty file for `part`: [`Setup::default`], which suits wheels of 100 to 500 mm, scaled
@@ -219,11 +222,6 @@ impl Setup {
         ]
     }
 }
-
-/// Stations along the channel at which its width and height are sampled.
-const STATIONS: u32 = 40;
-/// Smallest default allowance, mm.
-const MIN_ALLOWANCE: f64 = 0.02;
 
 /// Rounds down to a preferred number: 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6 or 8 times a power of ten. Infinite
 /// values are returned as they are.

@@ -5,6 +5,8 @@ use crate::geometry::{CutterSolid, Point, Vector};
 
 /// Length of a holder that is drawn where it is only assumed, in diameters of the cutter.
 const ASSUMED_HOLDER: f64 = 1.2;
+/// Cylinders that stand for a cone of a holder which widens.
+const CONE_SLICES: u32 = 4;
 
 /// Part of a tool in a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,9 +59,6 @@ impl OutlinePiece {
         side
     }
 }
-
-/// Cylinders that stand for a cone of a holder which widens.
-const CONE_SLICES: u32 = 4;
 
 /// A milling tool: cutter, shank, holder and cutting data. All lengths mm.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]

@@ -7,6 +7,11 @@ use rayon::prelude::*;
 
 use super::grid::FloorGrid;
 
+/// Largest number of units of all stock over the floor.
+const MAX_UNITS: f64 = (1_u32 << 31) as f64;
+/// Largest number of units of the stock over one cell.
+const MAX_UNITS_OF_CELL: f64 = (1_u32 << 22) as f64;
+
 /// Effect of one position on the heightfield.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PositionTrace {
@@ -65,11 +70,6 @@ impl TraceSums {
 /// units before and after a cut, so a rounding error added to one position is subtracted from the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct VolumeUnit(f32);
-
-/// Largest number of units of all stock over the floor.
-const MAX_UNITS: f64 = (1_u32 << 31) as f64;
-/// Largest number of units of the stock over one cell.
-const MAX_UNITS_OF_CELL: f64 = (1_u32 << 22) as f64;
 
 impl VolumeUnit {
     /// The smallest unit for the stock of `grid`.

@@ -18,6 +18,16 @@ use crate::setup::{CutDirection, SectionKind, Setup, Tool};
 pub const RAPID_MM_PER_MIN: f64 = 10_000.0;
 /// Time of a tool change including the approach with the next tool, s.
 pub const TOOL_CHANGE_S: f64 = 120.0;
+/// Consecutive moves under feed across the axis that are a pass along a curve: plunge programs position and
+/// lift their tools under feed, but not in that many moves.
+const PASS_MOVES: usize = 8;
+/// Distance across the axis below which a move still counts as one along it, mm, and as a share of its
+/// length; programs have a few decimals.
+const AXIAL_TOLERANCE: f64 = 1e-4;
+/// Turn of the axis that such a move may have, rad.
+const AXIAL_TURN_RAD: f64 = 1e-5;
+/// Maximum number of warnings that the reader collects.
+pub const MAX_WARNINGS: usize = 100;
 
 /// A tool as a CL program describes it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -164,22 +174,12 @@ pub struct ClProgram {
     pub warnings: Vec<ClWarning>,
 }
 
-/// Consecutive moves under feed across the axis that are a pass along a curve: plunge programs position and
-/// lift their tools under feed, but not in that many moves.
-const PASS_MOVES: usize = 8;
-
 impl Move {
     /// Whether the tool moves along its own axis from `before` to here, without turning.
     pub fn is_axial_from(&self, before: &Self) -> bool {
         is_axial(&(self.tip - before.tip), &before.axis, &self.axis)
     }
 }
-
-/// Distance across the axis below which a move still counts as one along it, mm, and as a share of its
-/// length; programs have a few decimals.
-const AXIAL_TOLERANCE: f64 = 1e-4;
-/// Turn of the axis that such a move may have, rad.
-const AXIAL_TURN_RAD: f64 = 1e-5;
 
 /// Whether a tool whose tip moves by `travel` (mm) while its unit axis turns from one to the other moves
 /// along its axis, without turning.
@@ -230,6 +230,3 @@ impl ClProgram {
         (0..moves.len()).filter(|&k| is_rapid(k)).filter(begins).collect()
     }
 }
-
-/// Maximum number of warnings that the reader collects.
-pub const MAX_WARNINGS: usize = 100;

@@ -7,6 +7,11 @@ use super::limits::AS_GOOD;
 use crate::setup::{Goal, SemiFinishing};
 use crate::stock::ExcessStock;
 
+/// Times at which `Goal::Balance` looks for the bend of the curve, and `Goal::Total` for the least total.
+const GOAL_POINTS: usize = 24;
+/// Most passes of semi-finishing whose plans `Goal::Total` compares.
+const MAX_PASSES: usize = 64;
+
 /// A point of the curve: a plan, not yet made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TradeoffPoint {
@@ -30,11 +35,6 @@ impl TradeoffPoint {
         self.time_s + finishing.time_s(self.excess.volume, self.excess.p95)
     }
 }
-
-/// Times at which `Goal::Balance` looks for the bend of the curve, and `Goal::Total` for the least total.
-const GOAL_POINTS: usize = 24;
-/// Most passes of semi-finishing whose plans `Goal::Total` compares.
-const MAX_PASSES: usize = 64;
 
 /// Plans of the same channel, each with the order in which its plunges are left out. Their curves together
 /// are the curve of time against stock: where plunges are few, a plan of fewer rows is ahead of one that was

@@ -4,6 +4,10 @@ use crate::stock::cover::CellCover;
 use crate::stock::statistics::UNCUT_SHARE_OF_BLANK;
 use crate::stock::{FieldCutter, FloorGrid};
 
+/// Bands of the floor along s whose stock is kept within its limit on its own: small sections are not to pay
+/// for large ones.
+const BANDS: usize = 8;
+
 /// Cost of stock of `height` mm over one mm² beyond `allowance`: its square, so that few thick places weigh
 /// more than many thin ones, as the 95th percentile has it.
 fn cost_per_area(height: f32, allowance: f32) -> f64 {
@@ -26,10 +30,6 @@ pub(super) struct ThinnedFloor<'a> {
     volumes: [f64; BANDS],
     first_volumes: [f64; BANDS],
 }
-
-/// Bands of the floor along s whose stock is kept within its limit on its own: small sections are not to pay
-/// for large ones.
-const BANDS: usize = 8;
 
 /// The band of `cell` along s.
 fn band(grid: &FloorGrid, cell: usize) -> usize {

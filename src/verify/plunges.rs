@@ -6,6 +6,17 @@ use crate::plunge::SectionPlan;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::{ClProgram, ClTool, Motion, Move, is_axial};
 
+/// Spacing of the samples along a move, in cutter radii.
+const SAMPLE_RADII: f64 = 0.5;
+/// Largest number of samples along one move.
+const MAX_SAMPLES: usize = 200;
+/// A move under feed after a plunge is its lead-out, and not a cut, if more than this share of it goes up the
+/// axis.
+const LEAVING_SHARE: f64 = 0.5;
+/// Distance of two tips from which on a new row begins where the program names no rows, in cutter radii: a
+/// step is at most one radius, and a stepover usually 4/3.
+const NEW_ROW_RADII: f64 = 2.5;
+
 /// One move under feed, with the rapids around it.
 #[derive(Clone, Debug)]
 pub struct ProgramCut {
@@ -65,11 +76,6 @@ impl Rapid {
     }
 }
 
-/// Spacing of the samples along a move, in cutter radii.
-const SAMPLE_RADII: f64 = 0.5;
-/// Largest number of samples along one move.
-const MAX_SAMPLES: usize = 200;
-
 impl ProgramCut {
     /// Whether the plunge went down to its end along the axis, and nothing else.
     fn is_plunge(&self) -> bool {
@@ -89,10 +95,6 @@ impl ProgramCut {
             && rapids.iter().all(|rapid| rapid.is_retract())
     }
 }
-
-/// A move under feed after a plunge is its lead-out, and not a cut, if more than this share of it goes up the
-/// axis.
-const LEAVING_SHARE: f64 = 0.5;
 
 /// All cuts of a program. Where the program gives no insert width, that of the setup's tool of the same
 /// number is used. A plunge that is interrupted to break the chip is one cut, and so is one with a move under
@@ -179,7 +181,7 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<ProgramCut>, Fa
                     _ => {}
                 }
                 if let Some(before) = cuts.last().filter(|c| c.section == section)
-                    && (step.tip - before.cutter.tip).norm() > 2.5 * tool.radius()
+                    && (step.tip - before.cutter.tip).norm() > NEW_ROW_RADII * tool.radius()
                 {
                     row += 1;
                 }

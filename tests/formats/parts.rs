@@ -49,7 +49,6 @@ fn impeller9x9_is_paper_b_s() {
     let part = sample("impeller9x9.toml");
     assert_eq!((part.blade_count, part.splitters.len()), (9, 1));
     let (le, te) = edges(&part);
-    println!("LE {le} TE {te}");
     assert!((le - 27.042).abs() < 0.1, "leading edge {le}");
     assert!((te - 6.62).abs() < 0.05, "trailing edge {te}");
 }
@@ -68,7 +67,6 @@ fn pump6_is_strongly_wrapped() {
             if d < -3.0 { d + std::f64::consts::TAU } else { d }
         })
         .sum();
-    println!("wrap {}", wrap.to_degrees());
     assert!(wrap.to_degrees() > 110.0, "wrap {}°", wrap.to_degrees());
 }
 

@@ -277,7 +277,6 @@ fn twisted_walls_agree_with_cutters_put_into_their_corners() {
         let what =
             format!("{} s {s} wall {wall}: inaccessible {found:.2} mm by search, {mask:.2}", part.name);
         assert!((found - 0.5..found + 0.3).contains(&mask), "{what}");
-        println!("{what}");
     }
 }
 

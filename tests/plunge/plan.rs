@@ -2,7 +2,7 @@
 
 use vanecut::cutting::contact::{BlankTop, Columns, PlungeColumn, core_contact};
 use vanecut::cutting::drop_cutter::DepthSurface;
-use vanecut::geometry::{Meridional, Vector, frame_about};
+use vanecut::geometry::{Meridional, Vector, frame_about, wrap_angle};
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
@@ -21,6 +21,63 @@ fn planned(part: &Impeller, setup: &Setup, policy: AxisPolicy) -> (Setup, Plunge
     let setup = resolve(setup, &workpiece).expect("the setup fits").setup;
     let plan = Planner::new(&workpiece, &setup).plan(policy, &Monitor::default()).expect("a plan");
     (setup, plan)
+}
+
+/// Rows of `conventional`: evenly spaced in s, both ends of each axis at the same s, their angles about Z
+/// evenly divided between the axes along the walls. The ends are put together here from hub, shroud and
+/// angles.
+#[test]
+fn isoparametric_axes_end_at_one_s() {
+    let workpiece = Setup::default().allowances.workpiece_of(sample("impeller532"));
+    let Workpiece { part, channel, .. } = &workpiece;
+    let setup = resolve(&Setup::default(), &workpiece).expect("fits").setup;
+    let (tool, allowance) = (&setup.tools[0], setup.allowances.hub_allowance);
+    let hub = DepthSurface::new(part.hub.curve(), allowance + tool.corner_radius);
+    let lane = Lane::new(&workpiece, &channel.full, tool, &setup.allowances);
+    let monitor = Monitor::default();
+    let maker = |lambda| RowMaker {
+        part,
+        lane: &lane,
+        hub: &hub,
+        tool,
+        lambda,
+        direction_sign: 1.0,
+        step_limit: 7.8,
+        monitor: &monitor,
+    };
+    // Beyond the rim both ends move on by the same distance.
+    let on_shroud =
+        |s: f64| if s <= 1.0 { s } else { 1.0 + (s - 1.0) * part.hub.length() / part.shroud.length() };
+    for s in [0.7, 0.85, 1.0, 1.03] {
+        let (p, n) = (part.hub.point(s), part.hub.normal(s));
+        let m = Meridional { r: p.r + allowance * n.r, z: p.z + allowance * n.z };
+        let w = part.shroud.point(on_shroud(s));
+        let walls = [0.0, 1.0].map(|lambda| lane.isoparametric(lambda, s).expect("an axis along the wall"));
+        let between = |[low, high]: [f64; 2], lambda: f64| low + lambda * wrap_angle(high - low);
+        for lambda in [0.0, 0.3, 0.5, 1.0] {
+            let station = maker(lambda).isoparametric(s).expect("a station");
+            let (foot, head) = match lambda {
+                0.0 | 1.0 => (m.at_angle(station.ends.theta_hub), w.at_angle(station.ends.theta_shroud)),
+                _ => (
+                    m.at_angle(between(walls.map(|ends| ends.theta_hub), lambda)),
+                    w.at_angle(between(walls.map(|ends| ends.theta_shroud), lambda)),
+                ),
+            };
+            let off = (station.axis - (head - foot).normalize()).norm();
+            assert!(off < 1e-9, "axis off by {off} rad at λ = {lambda}, s = {s}");
+            let beside = station.axis.cross(&(station.tip - foot)).norm();
+            assert!(
+                beside < 1e-9 * foot.coords.norm(),
+                "tip {beside} mm beside the axis at λ = {lambda}, s = {s}"
+            );
+        }
+    }
+    let row = maker(0.5).conventional(1.0, 0.7).expect("stations");
+    let count = (row.len() - 1) as f64;
+    for (k, station) in row.iter().enumerate() {
+        assert!((station.ends.s_hub - (1.0 - 0.3 * k as f64 / count)).abs() < 1e-9, "station {k}");
+        assert!((station.ends.s_shroud - station.ends.s_hub).abs() < 1e-9, "station {k}");
+    }
 }
 
 /// As in the [plunge paper], walks along the row's shroud curve in steps of 1e-5 of its length until α has

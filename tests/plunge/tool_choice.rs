@@ -85,6 +85,8 @@ fn every_chosen_tool_fits_the_samples() {
     }
 }
 
+/// At the narrowest place of the channel a cutter of the whole free width cannot tilt, and one of less than half
+/// of it needs a third row where a larger one needs two.
 #[test]
 fn fewer_blades_get_larger_cutters() {
     let text = std::fs::read_to_string(sample_path("impeller532")).expect("readable");
@@ -92,7 +94,18 @@ fn fewer_blades_get_larger_cutters() {
     assert_ne!(text, open, "the part has 17 blades");
     let mut setup = Setup::default();
     setup.plunge.rest = false;
-    let (narrow, wide) = [&text, &open].map(|text| diameters(&chosen(&part_of(text), &setup))).into();
+    let cutters = |text: &str| {
+        let part = part_of(text);
+        let channel = Channel::from_part(&part);
+        let passage = PassageWidth::new(&part, &channel.full);
+        let width = (0..=50).map(|i| passage.min_width(f64::from(i) / 50.0)).fold(f64::INFINITY, f64::min);
+        let free = width - 2.0 * setup.allowances.blade_allowance;
+        let diameters = diameters(&chosen(&part, &setup));
+        let smallest = *diameters.last().expect("a cutter");
+        assert!((0.5 * free..free).contains(&smallest), "D {smallest} in {free} mm");
+        diameters
+    };
+    let (narrow, wide) = (cutters(&text), cutters(&open));
     assert!(wide.last() > narrow.last() && wide.first() >= narrow.first(), "{narrow:?}, then {wide:?}");
 }
 

@@ -18,11 +18,6 @@ impl ProgramListing {
         Self { text, starts, ends }
     }
 
-    /// Number of lines.
-    pub fn line_count(&self) -> usize {
-        self.starts.len()
-    }
-
     /// Line at which the timeline stands after `cut` steps, counted from 1; `None`: after all. Before the
     /// first step it is the first line.
     pub fn line_after(&self, cut: Option<usize>) -> Option<usize> {
@@ -64,7 +59,6 @@ mod tests {
     fn steps_lead_to_their_statements() {
         let listing =
             ProgramListing::new("PARTNO a\nRAPID\nGOTO/1,$\n2\nFINI\n".to_owned(), vec![Some(3), None]);
-        assert_eq!(listing.line_count(), 5);
         assert_eq!(listing.line_after(Some(0)), Some(1));
         assert_eq!(listing.line_after(Some(1)), Some(3));
         assert_eq!(listing.line_after(None), None, "a step without a move");

@@ -169,12 +169,6 @@ impl DisplayUnits {
         let has_unit = text.chars().any(|c| c.is_alphabetic() || c == '"' || c == '″');
         Some(if is_length && !has_unit { self.to_mm(value) } else { value })
     }
-
-    /// A parser for a field that shows `value` as `shown`: the text of a field that is left without an edit
-    /// is parsed too, and what it shows may be rounded.
-    pub fn field_parser(self, quantity: Quantity, value: f64, shown: String) -> impl Fn(&str) -> Option<f64> {
-        move |text| if text == shown { Some(value) } else { self.parse(text, quantity) }
-    }
 }
 
 #[cfg(test)]

@@ -23,6 +23,23 @@ use crate::geometry::{Meridional, Point, search};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 
+/// Rings of lines through the core: (share of the core radius, lines). Contact starts at the
+/// rim of the core, so most lines are there.
+const RINGS: [(f64, usize); 5] = [(1.0, 192), (0.75, 64), (0.5, 32), (0.25, 8), (0.0, 1)];
+/// Fewer lines, for a first test: what fails it is not worth the full one.
+const FIRST_RINGS: [(f64, usize); 5] = [(1.0, 48), (0.75, 24), (0.5, 16), (0.25, 8), (0.0, 1)];
+/// Even fewer lines, for searches.
+const SEARCH_RINGS: [(f64, usize); 3] = [(1.0, 24), (0.55, 8), (0.0, 1)];
+/// Number of rim lines of the quick test, which are evaluated first.
+const QUICK_LINES: usize = 8;
+/// Contact depth that planning tolerates, mm: well below [`CONTACT_TOLERANCE`], so that rounding in a CL file
+/// or the samples of another checker do not exceed it.
+pub const PLANNED_CONTACT: f64 = 0.25 * CONTACT_TOLERANCE;
+/// Depth below the bottom, mm, from which on entries are not distinguished.
+const MAX_DEPTH_BELOW: f64 = 0.2;
+/// Height above the bottom, mm, up to which stock counts for the contact area.
+const AREA_HEIGHT: f64 = 0.02;
+
 /// Contact of the core with stock during one plunge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct CoreContact {
@@ -41,23 +58,6 @@ impl CoreContact {
         self.depth > CONTACT_TOLERANCE
     }
 }
-
-/// Rings of lines through the core: (share of the core radius, lines). Contact starts at the
-/// rim of the core, so most lines are there.
-const RINGS: [(f64, usize); 5] = [(1.0, 192), (0.75, 64), (0.5, 32), (0.25, 8), (0.0, 1)];
-/// Fewer lines, for a first test: what fails it is not worth the full one.
-const FIRST_RINGS: [(f64, usize); 5] = [(1.0, 48), (0.75, 24), (0.5, 16), (0.25, 8), (0.0, 1)];
-/// Even fewer lines, for searches.
-const SEARCH_RINGS: [(f64, usize); 3] = [(1.0, 24), (0.55, 8), (0.0, 1)];
-/// Number of rim lines of the quick test, which are evaluated first.
-const QUICK_LINES: usize = 8;
-/// Contact depth that planning tolerates, mm: well below [`CONTACT_TOLERANCE`], so that rounding in a CL file
-/// or the samples of another checker do not exceed it.
-pub const PLANNED_CONTACT: f64 = 0.25 * CONTACT_TOLERANCE;
-/// Depth below the bottom, mm, from which on entries are not distinguished.
-const MAX_DEPTH_BELOW: f64 = 0.2;
-/// Height above the bottom, mm, up to which stock counts for the contact area.
-const AREA_HEIGHT: f64 = 0.02;
 
 /// Contact of the core of `column` with the stock of `blank` that `earlier` plunges left.
 pub fn core_contact(column: &PlungeColumn, earlier: Earlier, blank: &Blank) -> CoreContact {

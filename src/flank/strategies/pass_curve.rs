@@ -4,6 +4,9 @@ use crate::flank::chart::LayerChart;
 use crate::flank::layer::{LayerPoint, LayerSurface};
 use crate::flank::region::{Region, WallName};
 
+/// Tolerance of the distance of an offset from its wall, in stepovers: more than the error of the chart.
+const OFFSET_TOLERANCE: f64 = 0.02;
+
 /// Purpose of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PassRole {
@@ -56,9 +59,6 @@ pub(super) fn layer_margin(chart: &LayerChart, p: LayerPoint, beyond: f64) -> f6
     // Arcs round a nose continue into the next channel.
     if inside >= 0.0 && chart.borders.have_noses() && !chart.is_between(p) { -1.0 } else { inside }
 }
-
-/// Tolerance of the distance of an offset from its wall, in stepovers: more than the error of the chart.
-const OFFSET_TOLERANCE: f64 = 0.02;
 
 /// Not negative where an offset is not nearer to its own wall than it should be; behind focal points it is.
 pub(super) fn own_wall_margin(chart: &LayerChart, wall: WallName, offset: f64, p: LayerPoint) -> f64 {

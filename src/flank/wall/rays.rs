@@ -3,6 +3,9 @@
 use super::bounds::{bend_of_distance, lower_bound_between};
 use crate::geometry::{Point, Vector, search};
 
+/// Travel from or to a missing ray, mm: more than any distance on a part.
+const MISSING: f64 = 1e6;
+
 /// A tool axis from the centre of the round end on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AxisRay {
@@ -80,9 +83,6 @@ pub(super) struct RaySweep {
     /// The most by which a ray between two stations may be nearer to a point of the wall than these, mm.
     max_dip: f64,
 }
-
-/// Travel from or to a missing ray, mm: more than any distance on a part.
-const MISSING: f64 = 1e6;
 
 impl RaySweep {
     /// The sweep of `rays` along a wall with these `points`.

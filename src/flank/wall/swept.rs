@@ -7,6 +7,17 @@ use super::bounds::{bend_of_distance, lower_bound_between};
 use super::fit::{AxisLine, OffsetSide};
 use crate::geometry::{Point, Vector, search};
 
+/// Maximum number of iterations that move positions off the wall where the swept cutter cuts too deep.
+pub(super) const CORRECTIONS: usize = 8;
+/// Tolerance of distances, mm.
+pub(super) const DISTANCE_TOLERANCE: f64 = 1e-5;
+/// Distance kept from the limit, mm.
+pub(super) const MARGIN: f64 = 3.0 * DISTANCE_TOLERANCE;
+/// Tolerance of the search along a segment between two axes, as a share of it.
+const SHARE_TOLERANCE: f64 = 1e-3;
+/// On a bowed wall every n-th axis is a seed of the search for the nearest.
+const SEED_STEP: usize = 8;
+
 /// Swept deviation of a wall, mm.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DeviationMap {
@@ -30,15 +41,6 @@ impl DeviationMap {
         self.deviation.iter().fold(0.0, |most, &d| f64::max(most, d))
     }
 }
-
-/// Maximum number of iterations that move positions off the wall where the swept cutter cuts too deep.
-pub(super) const CORRECTIONS: usize = 8;
-/// Tolerance of distances, mm.
-pub(super) const DISTANCE_TOLERANCE: f64 = 1e-5;
-/// Distance kept from the limit, mm.
-pub(super) const MARGIN: f64 = 3.0 * DISTANCE_TOLERANCE;
-/// Tolerance of the search along a segment between two axes, as a share of it.
-const SHARE_TOLERANCE: f64 = 1e-3;
 
 /// Moves positions off the wall until neither they nor those between them cut too deep. `spare` is the margin
 /// of an axis before it does, mm.
@@ -143,9 +145,6 @@ pub(super) fn deviations(
         })
         .collect()
 }
-
-/// On a bowed wall every n-th axis is a seed of the search for the nearest.
-const SEED_STEP: usize = 8;
 
 /// Distance of `point` from the nearest axis, mm, and the segment that holds it. Descends from the station
 /// `from`, on a bowed wall from a nearer seed, then minimises over the two adjacent segments. On a bowed wall

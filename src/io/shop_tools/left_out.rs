@@ -4,6 +4,8 @@
 const NAMED: usize = 3;
 /// Maximum number of reasons that are listed separately.
 const MAX_REASONS: usize = 12;
+/// Maximum number of different remarks that are listed separately.
+const MAX_LINES: usize = 20;
 
 /// Tools that are left out, by reason, in the order of the file.
 #[derive(Debug, Default)]
@@ -90,9 +92,6 @@ pub fn in_few_lines<'t>(remarks: impl Iterator<Item = (String, &'t str)>) -> Vec
     }
     lines
 }
-
-/// Maximum number of different remarks that are listed separately.
-const MAX_LINES: usize = 20;
 
 #[cfg(test)]
 mod tests {

@@ -7,6 +7,11 @@ use super::model::Frame;
 use super::nurbs::NurbsSurface;
 use crate::geometry::{Point, Vector};
 
+/// Points nearer to an axis than this are on it, mm.
+pub const ON_AXIS: f64 = 1e-6;
+/// Samples of the profile of a surface of revolution between two of its breaks.
+const PROFILE_SAMPLES: usize = 16;
+
 /// Where `f` is least between two arguments, by golden-section search.
 fn golden_minimum(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
     const STEPS: usize = 60;
@@ -16,11 +21,6 @@ fn golden_minimum(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
     }
     0.5 * (a + b)
 }
-
-/// Points nearer to an axis than this are on it, mm.
-pub const ON_AXIS: f64 = 1e-6;
-/// Samples of the profile of a surface of revolution between two of its breaks.
-const PROFILE_SAMPLES: usize = 16;
 
 /// A surface over two parameters.
 #[derive(Clone, Debug)]

@@ -29,11 +29,6 @@ impl Cost {
         Self { seconds, ..Self::default() }
     }
 
-    /// Whether no rule of fit is broken.
-    pub fn keeps_rules(&self) -> bool {
-        (self.misfits, self.wanting) == (0, 0)
-    }
-
     /// Sum of both costs.
     pub fn and(self, other: Self) -> Self {
         Self {

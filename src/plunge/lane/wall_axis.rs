@@ -14,6 +14,16 @@ use super::{AxisEnds, Lane, SEARCH_ERROR};
 use crate::geometry::{CutterSolid, Vector, norm2, wrap_angle};
 use crate::part::{NearestOnSide, SideProbe};
 
+/// Maximum difference of the tilt angle of a fitted axis from that of the plain offset of the ruling.
+const TILT_LIMIT_RAD: f64 = 4.0 * std::f64::consts::PI / 180.0;
+/// Tilt angles relative to the plain offset that are tried where no fit exists, degrees.
+const TILT_OFFSETS_DEG: [f64; 15] =
+    [0.0, 3.0, -3.0, 6.0, -6.0, 9.0, -9.0, 13.0, -13.0, 17.0, -17.0, 22.0, -22.0, 28.0, -28.0];
+/// Minimum height of the channel for an axis, in hub allowances.
+const MIN_HEIGHTS: f64 = 1.2;
+/// Tolerance of the clearance, mm, always on the safe side.
+const FIT_TOLERANCE: f64 = 2e-7;
+
 /// Clearance from one third of a wall, and its derivatives by the angles of the ends of the axis.
 #[derive(Clone, Copy, Debug)]
 struct ClearanceResponse {
@@ -58,16 +68,6 @@ impl FitState {
         (step.0.is_finite() && step.1.is_finite()).then_some(step)
     }
 }
-
-/// Maximum difference of the tilt angle of a fitted axis from that of the plain offset of the ruling.
-const TILT_LIMIT_RAD: f64 = 4.0 * std::f64::consts::PI / 180.0;
-/// Tilt angles relative to the plain offset that are tried where no fit exists, degrees.
-const TILT_OFFSETS_DEG: [f64; 15] =
-    [0.0, 3.0, -3.0, 6.0, -6.0, 9.0, -9.0, 13.0, -13.0, 17.0, -17.0, 22.0, -22.0, 28.0, -28.0];
-/// Minimum height of the channel for an axis, in hub allowances.
-const MIN_HEIGHTS: f64 = 1.2;
-/// Tolerance of the clearance, mm, always on the safe side.
-const FIT_TOLERANCE: f64 = 2e-7;
 
 impl Lane<'_> {
     /// Axis along `wall` (0 or 1) with M at `s_hub` and W at `s_shroud`, starting from the neighbouring

@@ -25,13 +25,13 @@ impl CandidateMaker<'_> {
         let conventional = self.isoparametric(s_hub)?;
         let frame = self.row_frame(&conventional)?;
         let (_, reference) = self.maker.lane.line(&conventional);
-        let tilt = reference.dot(&frame.feed).atan2(reference.dot(&frame.normal));
+        let lead_rad = reference.dot(&frame.feed).atan2(reference.dot(&frame.normal));
         // The grid is shifted towards positive lead angles only: with large negative ones each plunge would
         // end above the previous one. Where no others remain, the row ends.
-        let moved = (tilt - self.max_tilt_rad - MIDDLE_LEAD_DEG.to_radians()).max(0.0);
-        let zero_lead = self.zero_lead_ref(&conventional, &frame, moved)?;
-        let (conventional_lead, grid) = (tilt - moved, LeadGrid::USUAL);
-        Some(AxisFrame { conventional, frame, zero_lead, reference, conventional_lead, grid })
+        let moved_rad = (lead_rad - self.max_tilt_rad - MIDDLE_LEAD_DEG.to_radians()).max(0.0);
+        let zero_lead = self.zero_lead_ref(&conventional, &frame, moved_rad)?;
+        let (conventional_lead_rad, grid) = (lead_rad - moved_rad, LeadGrid::USUAL);
+        Some(AxisFrame { conventional, frame, zero_lead, reference, conventional_lead_rad, grid })
     }
 
     /// Ends of the conventional axis at `s_hub`, whether or not it clears the walls.
@@ -56,8 +56,8 @@ impl CandidateMaker<'_> {
         Some(RowFrame { normal, feed, across: normal.cross(&feed), path_by_s })
     }
 
-    /// Newton iteration for the s of W at which the lead angle is `moved` (rad).
-    fn zero_lead_ref(&self, from: &AxisEnds, frame: &RowFrame, moved: f64) -> Option<ZeroLeadRef> {
+    /// Newton iteration for the s of W at which the lead angle is `moved_rad`.
+    fn zero_lead_ref(&self, from: &AxisEnds, frame: &RowFrame, moved_rad: f64) -> Option<ZeroLeadRef> {
         let lane = self.maker.lane;
         let m = lane.hub_point(from);
         // The row's shroud curve; where it has no axis, the angles about Z of `from` are kept.
@@ -67,13 +67,14 @@ impl CandidateMaker<'_> {
                 .unwrap_or(AxisEnds { s_shroud, ..*from });
             lane.shroud_point(&ends) - m
         };
-        let tilt = |w: &Vector| w.dot(&frame.feed) / w.dot(&frame.normal) - moved.tan();
+        // Tangent of the lead angle, from the one that is looked for.
+        let excess = |w: &Vector| w.dot(&frame.feed) / w.dot(&frame.normal) - moved_rad.tan();
         let mut s_shroud = from.s_shroud;
         let mut slope = 0.0;
         for _ in 0..4 {
             let (before, after) = (to_shroud(s_shroud - SLOPE_STEP), to_shroud(s_shroud + SLOPE_STEP));
-            slope = (tilt(&after) - tilt(&before)) / (2.0 * SLOPE_STEP);
-            let step = 0.5 * (tilt(&before) + tilt(&after)) / slope;
+            slope = (excess(&after) - excess(&before)) / (2.0 * SLOPE_STEP);
+            let step = 0.5 * (excess(&before) + excess(&after)) / slope;
             if !step.is_finite() {
                 return None;
             }
@@ -85,7 +86,7 @@ impl CandidateMaker<'_> {
         let height = to_shroud(s_shroud).dot(&frame.normal);
         (slope * self.maker.direction_sign < 0.0 && height > 0.0).then_some(ZeroLeadRef {
             s_shroud,
-            shift_rad: moved,
+            shift_rad: moved_rad,
             tan_lead_by_s: slope,
             height,
         })
@@ -143,36 +144,36 @@ impl CandidateMaker<'_> {
             return;
         }
         for (k, slot) in only.iter_mut().enumerate().skip(1) {
-            let tilt = (MAX_TURNED_DEG * k as f64 / (N - 1) as f64).to_radians();
-            *slot = self.turned_off_wall(ends, tilt, (frame, zero_lead));
+            let tilt_rad = (MAX_TURNED_DEG * k as f64 / (N - 1) as f64).to_radians();
+            *slot = self.turned_off_wall(ends, tilt_rad, (frame, zero_lead));
         }
     }
 
-    /// Stations of a wall row at `s_hub` with lead angles `leads` (rad, from that of the conventional axis),
-    /// each with W turned off the wall by the tilt angles `turns` (degrees; negative ones turn it over the
+    /// Stations of a wall row at `s_hub` with lead angles `leads_rad` (from that of the conventional axis),
+    /// each with W turned off the wall by the tilt angles `turns_deg` (negative ones turn it over the
     /// wall's foot) and as near to the wall as it clears it. They are not checked against other blades.
     pub(super) fn wall_fan<const N: usize>(
         &self,
         s_hub: f64,
-        leads: impl Iterator<Item = f64>,
-        turns: &[f64; N],
+        leads_rad: impl Iterator<Item = f64>,
+        turns_deg: &[f64; N],
     ) -> Vec<Station> {
-        let Some(AxisFrame { conventional, frame, zero_lead, reference, conventional_lead, .. }) =
+        let Some(AxisFrame { conventional, frame, zero_lead, reference, conventional_lead_rad, .. }) =
             self.axis_frame(s_hub)
         else {
             return Vec::new();
         };
-        let ends_at = |lead: f64| {
-            let s_shroud = zero_lead.s_shroud_at_lead(conventional_lead + lead);
+        let ends_at = |lead_rad: f64| {
+            let s_shroud = zero_lead.s_shroud_at_lead(conventional_lead_rad + lead_rad);
             self.maker.lane.row_axis(self.maker.lambda, s_hub, s_shroud)
         };
         let turned = |ends: AxisEnds| {
-            turns.iter().filter_map(move |&turn| match turn {
+            turns_deg.iter().filter_map(move |&turn_deg| match turn_deg {
                 0.0 => Some(ends),
-                _ => self.turned_off_wall(&ends, turn.to_radians(), (&frame, &zero_lead)),
+                _ => self.turned_off_wall(&ends, turn_deg.to_radians(), (&frame, &zero_lead)),
             })
         };
-        leads
+        leads_rad
             .filter_map(ends_at)
             .flat_map(turned)
             .filter_map(|ends| self.station_within_limits(ends, &reference))
@@ -180,11 +181,11 @@ impl CandidateMaker<'_> {
             .collect()
     }
 
-    /// The axis `ends` of a wall row with W turned off the wall by the tilt angle `tilt`, rad.
+    /// The axis `ends` of a wall row with W turned off the wall by the tilt angle `tilt_rad`.
     fn turned_off_wall(
         &self,
         ends: &AxisEnds,
-        tilt: f64,
+        tilt_rad: f64,
         (frame, zero_lead): (&RowFrame, &ZeroLeadRef),
     ) -> Option<AxisEnds> {
         let (lane, wall) = (self.maker.lane, self.maker.lambda as usize);
@@ -193,7 +194,7 @@ impl CandidateMaker<'_> {
         let gain = turn.dot(&frame.across).abs().max(MIN_GAIN_SHARE * turn.norm());
         // Turning W about Z changes the lead angle as well; s of W compensates that.
         let by_s = zero_lead.tan_lead_by_s * zero_lead.height;
-        let angle = tilt.tan() * zero_lead.height / gain * lane.inward_sign(wall);
+        let angle = tilt_rad.tan() * zero_lead.height / gain * lane.inward_sign(wall);
         let s_shroud = ends.s_shroud - angle * turn.dot(&frame.feed) / by_s;
         lane.turned_wall_axis(wall, (ends.s_hub, s_shroud), angle)
     }

@@ -46,9 +46,9 @@ pub(super) struct ZeroLeadRef {
 }
 
 impl ZeroLeadRef {
-    /// s of W for a lead angle `tilt` (rad) relative to the shift.
-    pub(super) fn s_shroud_at_lead(&self, tilt: f64) -> f64 {
-        self.s_shroud + ((tilt + self.shift_rad).tan() - self.shift_rad.tan()) / self.tan_lead_by_s
+    /// s of W for the lead angle `lead_rad` relative to the shift.
+    pub(super) fn s_shroud_at_lead(&self, lead_rad: f64) -> f64 {
+        self.s_shroud + ((lead_rad + self.shift_rad).tan() - self.shift_rad.tan()) / self.tan_lead_by_s
     }
 }
 
@@ -58,9 +58,10 @@ pub(super) struct AxisFrame {
     pub(super) conventional: AxisEnds,
     pub(super) frame: RowFrame,
     pub(super) zero_lead: ZeroLeadRef,
-    /// The conventional axis, and its lead angle relative to the shift of the grid, rad.
+    /// The conventional axis.
     pub(super) reference: Vector,
-    pub(super) conventional_lead: f64,
+    /// Its lead angle relative to the shift of the grid, rad.
+    pub(super) conventional_lead_rad: f64,
     pub(super) grid: LeadGrid,
 }
 
@@ -74,14 +75,14 @@ pub(super) struct LeadGrid {
 impl LeadGrid {
     pub(super) const USUAL: Self = Self { first_deg: FIRST_LEAD_DEG, step_deg: LEAD_STEP_DEG };
 
-    /// The narrow grid around the lead angle `middle`, rad, which is one of its own.
-    pub(super) fn narrow(middle: f64) -> Self {
+    /// The narrow grid around the lead angle `middle_rad`, which is one of its own.
+    pub(super) fn narrow(middle_rad: f64) -> Self {
         let half = (LEAD_STEPS / 2) as f64 * NARROW_STEP_DEG;
-        Self { first_deg: middle.to_degrees() - half, step_deg: NARROW_STEP_DEG }
+        Self { first_deg: middle_rad.to_degrees() - half, step_deg: NARROW_STEP_DEG }
     }
 
     /// Lead angle `j` of the grid with its steps divided into `fineness` parts, rad.
-    pub(super) fn lead(&self, j: usize, fineness: usize) -> f64 {
+    pub(super) fn lead_rad(&self, j: usize, fineness: usize) -> f64 {
         (self.first_deg + self.step_deg * j as f64 / fineness as f64).to_radians()
     }
 }
@@ -95,11 +96,22 @@ mod tests {
     #[test]
     fn the_grid_of_lead_angles_is_that_of_its_page() {
         let page = include_str!("../../../docs/algorithms/minimal.md");
-        let degrees = |j: usize| LeadGrid::USUAL.lead(j, 1).to_degrees().round();
-        let row = format!("| {}°, {}°, {LEAD_STEPS} steps |", degrees(0), degrees(1) - degrees(0));
-        let row = row.replace('-', "\u{2212}");
-        assert!(page.contains(&row), "docs/algorithms/minimal.md has no row {row}");
+        let row = page.lines().find(|line| line.contains("`FIRST_LEAD_DEG`")).expect("a row of the grid");
+        let number = |word: &str| word.replace('\u{2212}', "-").parse::<f64>().ok();
+        let numbers: Vec<f64> = row
+            .split('|')
+            .nth(1)
+            .expect("a cell of values")
+            .split([' ', '°', ','])
+            .filter_map(number)
+            .collect();
+        let &[first, step, steps] = numbers.as_slice() else { panic!("not first, step and count: {row}") };
+        assert_eq!(steps, LEAD_STEPS as f64, "{row}");
+        for j in 0..=LEAD_STEPS {
+            let lead = LeadGrid::USUAL.lead_rad(j, 1).to_degrees();
+            assert!((lead - (first + step * j as f64)).abs() < 1e-9, "lead angle {j} is {lead}°: {row}");
+        }
         let middle = 5f64.to_radians();
-        assert!((LeadGrid::narrow(middle).lead(LEAD_STEPS / 2, 1) - middle).abs() < 1e-12);
+        assert!((LeadGrid::narrow(middle).lead_rad(LEAD_STEPS / 2, 1) - middle).abs() < 1e-12);
     }
 }

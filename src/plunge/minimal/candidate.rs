@@ -36,6 +36,10 @@ const REACH_ALONG_RADII: f64 = 0.9;
 
 /// Maximum number of candidates of a position for which the smallest sufficient overhang is computed.
 const MAX_CAUSES: usize = 8;
+/// Number of tilt angles per lead angle.
+const TILT_COUNT: usize = 3;
+/// Tilt angles as shares from the row's own tilt angle (0) to zero tilt (1).
+const ZERO_TILT_SHARES: [f64; TILT_COUNT] = [1.0, 0.5, 0.0];
 
 /// One candidate position, not yet checked against the blades.
 #[derive(Clone, Copy, Debug)]
@@ -84,11 +88,6 @@ impl RowCandidate {
         self.layer.iter().map(cost).sum::<f64>() / STRIPS as f64
     }
 }
-
-/// Number of tilt angles per lead angle.
-const TILT_COUNT: usize = 3;
-/// Tilt angles as shares from the row's own tilt angle (0) to zero tilt (1).
-const ZERO_TILT_SHARES: [f64; TILT_COUNT] = [1.0, 0.5, 0.0];
 
 /// The candidates of one lead angle, the cheapest first; without those beyond the limits of inclination.
 pub type LeadCandidates = [Option<RowCandidate>; TILT_COUNT];
@@ -164,7 +163,7 @@ impl CandidateStage {
     /// Minimum angle between axes of the same lead angle at this stage and `next`, rad; 0 when there are
     /// none.
     pub fn min_turn(&self, next: &Self) -> f64 {
-        let axes = |tilt: &LeadCandidates| tilt.map(|c| c.map(|c| c.station.axis));
+        let axes = |candidates: &LeadCandidates| candidates.map(|c| c.map(|c| c.station.axis));
         let turns = self.by_lead.iter().zip(&next.by_lead).flat_map(|(here, next)| {
             let (here, next) = (axes(here).into_iter().flatten(), axes(next));
             here.flat_map(move |a| next.into_iter().flatten().map(move |b| a.angle(&b)))
@@ -210,7 +209,7 @@ impl CandidateMaker<'_> {
         if self.is_open(&usual) {
             return Some(usual);
         }
-        let grid = LeadGrid::narrow(frame.conventional_lead);
+        let grid = LeadGrid::narrow(frame.conventional_lead_rad);
         let narrow = self.stage_on(AxisFrame { grid, ..frame }, floor);
         Some(if self.is_open(&narrow) { narrow } else { usual })
     }
@@ -253,9 +252,9 @@ impl CandidateMaker<'_> {
     /// The candidates of lead angle `j` of the grid.
     fn lead_candidates(&self, j: usize, at: &AxisFrame, floor: &FloorPoints) -> LeadCandidates {
         let AxisFrame { conventional, frame, zero_lead, reference, grid, .. } = at;
-        let tilt = grid.lead(j, self.fineness);
+        let lead_rad = grid.lead_rad(j, self.fineness);
         let place = (conventional.s_hub, frame, zero_lead);
-        let axes = self.axes(zero_lead.s_shroud_at_lead(tilt), place, ZERO_TILT_SHARES);
+        let axes = self.axes(zero_lead.s_shroud_at_lead(lead_rad), place, ZERO_TILT_SHARES);
         let mut candidates = axes.map(|ends| {
             let candidate = self.lowered(ends?, floor, reference)?;
             let station = Station { s_shroud_conventional: conventional.s_shroud, ..candidate.station };
@@ -276,20 +275,20 @@ impl CandidateMaker<'_> {
         s.iter().filter_map(|&s| self.isoparametric(s)).any(|ends| step * depth(&ends) > most)
     }
 
-    /// Stations at `s_hub` with lead angles `tilts` (rad, shifted as the grid), each with the tilt angles
+    /// Stations at `s_hub` with lead angles `leads_rad` (shifted as the grid), each with the tilt angles
     /// given by `shares` (1 for zero tilt). They are not checked against the blades.
     pub fn axis_fan<const N: usize>(
         &self,
         s_hub: f64,
-        tilts: impl Iterator<Item = f64>,
+        leads_rad: impl Iterator<Item = f64>,
         shares: &[f64; N],
     ) -> Vec<Station> {
         let Some(AxisFrame { conventional, frame, zero_lead, reference, .. }) = self.axis_frame(s_hub) else {
             return Vec::new();
         };
-        tilts
-            .flat_map(|tilt| {
-                self.axes(zero_lead.s_shroud_at_lead(tilt), (s_hub, &frame, &zero_lead), *shares)
+        leads_rad
+            .flat_map(|lead_rad| {
+                self.axes(zero_lead.s_shroud_at_lead(lead_rad), (s_hub, &frame, &zero_lead), *shares)
             })
             .flatten()
             .filter_map(|ends| self.station_within_limits(ends, &reference))
@@ -321,9 +320,9 @@ impl CandidateMaker<'_> {
         (0..stage.lead_count())
             .step_by(stride)
             .flat_map(|j| {
-                let tilt = grid.lead(j, self.fineness);
+                let lead_rad = grid.lead_rad(j, self.fineness);
                 let place = (conventional.s_hub, frame, zero_lead);
-                self.axes(zero_lead.s_shroud_at_lead(tilt), place, ZERO_TILT_SHARES)
+                self.axes(zero_lead.s_shroud_at_lead(lead_rad), place, ZERO_TILT_SHARES)
             })
             .flatten()
             .filter(forbidden)

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use super::candidate::CandidateMaker;
 use super::floor::{FloorHeightMap, Gain};
-use super::path::LIFT_MARGIN;
+use super::path::SEARCH_LIFT_MARGIN_MM;
 use crate::cutting::contact::{Columns, ContactSearch};
 use crate::geometry::{CutterSolid, Point, ProximityGrid};
 use crate::monitor::Cancelled;
@@ -478,9 +478,9 @@ impl<'a> ExtraSearch<'a> {
         let mut lines = search.among(&column, columns.all().near(&column));
         let lifted = |depth: f64| match depth {
             depth if depth <= 0.0 => (0.0, free.cost),
-            depth if depth > enough => (depth + LIFT_MARGIN, 0.0),
+            depth if depth > enough => (depth + SEARCH_LIFT_MARGIN_MM, 0.0),
             depth => {
-                let lift = depth + LIFT_MARGIN;
+                let lift = depth + SEARCH_LIFT_MARGIN_MM;
                 (lift, self.gain(row, &station, lift).cost)
             }
         };

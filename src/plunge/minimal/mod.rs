@@ -31,7 +31,7 @@ pub use crossing::RowCrossing;
 pub use extras::ExtraSearch;
 pub use floor::FloorHeightMap;
 pub(super) use free_leads::{LeadBlockage, lead_blockage};
-pub use path::{MAX_LIFT_OF_DEPTH, PathSearch};
+pub use path::{MINIMAL_MAX_LIFT_SHARE, PathSearch};
 pub use row_path::RowPath;
 pub(super) use section::plan_section;
 pub(super) use touch_up::rest_section;

@@ -15,7 +15,7 @@ use crate::plunge::reasons::DropReason;
 use crate::plunge::row::Station;
 
 /// Maximum lift of a plunge as a share of its depth in the blank: what cuts less is not worth its time.
-pub const MAX_LIFT_OF_DEPTH: f64 = 0.8;
+pub const MINIMAL_MAX_LIFT_SHARE: f64 = 0.8;
 /// Number of previous positions of the own row that are checked for contact, besides all earlier rows.
 const LOOK_BACK: usize = 4;
 /// Beam: excess of a state's lower bound over the best one of its stage up to which it is expanded, in cutter
@@ -32,7 +32,7 @@ const MIN_SAVED_SHARE: f64 = 0.02;
 /// the path.
 const ACCEPTED_EXCESS: f64 = 0.2;
 /// Margin added to lifts found with the few lines of the search, mm.
-pub(super) const LIFT_MARGIN: f64 = 0.01;
+pub(super) const SEARCH_LIFT_MARGIN_MM: f64 = 0.01;
 
 /// A state: a candidate with the cheapest path to it.
 #[derive(Clone, Copy, Debug)]
@@ -281,7 +281,7 @@ impl PathSearch<'_> {
     /// States of a stage. Lead angles whose lower bound is outside the beam are expanded only if the best
     /// state inside it costs more than the beam allows, because of lifts or blades.
     fn stage_states(&self, place: &CandidateStage, here: &StageContext) -> StageStates {
-        let bounds: Vec<f64> = place.leads(here.stride).map(|tilt| self.lower_bound(tilt, here)).collect();
+        let bounds: Vec<f64> = place.leads(here.stride).map(|lead| self.lower_bound(lead, here)).collect();
         let beam = BEAM_RADII * self.candidates.maker.tool.radius();
         let promising = bounds.iter().copied().fold(f64::INFINITY, f64::min) + beam;
         let reach = |j: usize| self.cheapest_state(j * here.stride, place, here);
@@ -427,8 +427,8 @@ impl PathSearch<'_> {
         }
         let passed = passed[..count].iter().rev().filter(|passed| column.may_meet(&passed.cutter));
         let depth = search.after(column, passed).depth(self.blank, affordable);
-        let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
-        let is_left_out = lift > 0.0 && lift >= MAX_LIFT_OF_DEPTH * column.top;
+        let lift = if depth > 0.0 { depth + SEARCH_LIFT_MARGIN_MM } else { 0.0 };
+        let is_left_out = lift > 0.0 && lift >= MINIMAL_MAX_LIFT_SHARE * column.top;
         let own = match self.is_strict && is_left_out && here.counts {
             true => candidate.uncut_cost(self.candidates.scale) + COST_PER_POSITION,
             false => self.own_cost(candidate, lift, here),

@@ -1,6 +1,6 @@
 //! Rows of a section: their places, the search for their axes, and their cuts.
 
-use super::path::MAX_LIFT_OF_DEPTH;
+use super::path::MINIMAL_MAX_LIFT_SHARE;
 use super::{CandidateMaker, PathSearch, RowPath};
 use crate::cutting::contact::{BlankTop, Columns};
 use crate::geometry::wrap_angle;
@@ -117,7 +117,7 @@ pub(super) fn cut_path(
     fill_steps(maker, &search.candidates, &mut stations);
     let row = PlannedRow { stations, iterations: 1, ..PlannedRow::empty(lambda) };
     let mut columns = earlier.clone();
-    let row = cut_row(context, row, maker.tool, Some(MAX_LIFT_OF_DEPTH), &mut columns, monitor)?;
+    let row = cut_row(context, row, maker.tool, Some(MINIMAL_MAX_LIFT_SHARE), &mut columns, monitor)?;
     let cost = path.cost_as_cut(search.candidates.scale, |s| row.lift_at(s));
     let lift_of = |s: f64| row.lift_at(s).unwrap_or(f64::INFINITY);
     let has_lost = path.steps.iter().any(|step| lift_of(step.station.ends.s_hub).is_infinite());
@@ -161,7 +161,7 @@ pub(super) fn cut_split(
     monitor: &Monitor,
 ) -> Result<(), PlanError> {
     let row = PlannedRow { stations, iterations: 1, ..PlannedRow::empty(lambda) };
-    let row = cut_row(context, row, tool, Some(MAX_LIFT_OF_DEPTH), &mut cut.columns, monitor)?;
+    let row = cut_row(context, row, tool, Some(MINIMAL_MAX_LIFT_SHARE), &mut cut.columns, monitor)?;
     cut.rows.extend(row.split_where_axes_turn(context.setup.plunge.max_axis_change_rad));
     Ok(())
 }

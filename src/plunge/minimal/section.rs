@@ -1,7 +1,7 @@
 //! `minimal` for one section: rows are planned one after the other, each after the plunges of all previous
 //! ones, in the cutting direction that leaves less.
 
-use super::path::MAX_LIFT_OF_DEPTH;
+use super::path::MINIMAL_MAX_LIFT_SHARE;
 use super::row_stages::RowStages;
 use super::rows::{CutPath, RowOf, RowPlaces, cut_path, cut_split, rows_of_stretch, with_row_search};
 use super::second_pass::{OpenRow, cut_open_places};
@@ -67,7 +67,7 @@ impl DirectionLimit<'_> {
     }
 }
 
-/// Plans section `index` after the plunges of `earlier`, in the cutting direction of the setup or else in the
+/// Plans section `index` after the plunges of `columns`, in the cutting direction of the setup or else in the
 /// one that leaves less.
 ///
 /// # Errors
@@ -75,11 +75,11 @@ impl DirectionLimit<'_> {
 pub(in crate::plunge) fn plan_section(
     context: &PlanContext,
     index: usize,
-    earlier: &Columns,
+    columns: Columns,
     monitor: &Monitor,
 ) -> Result<SectionCut, PlanError> {
     let plan_in = |feed: CutDirection, limit: &DirectionLimit| {
-        plan_in_direction(context, index, earlier, feed, limit, monitor)
+        plan_in_direction(context, index, &columns, feed, limit, monitor)
     };
     let asked = context.section(index).cut_direction;
     let accepted = if context.thoroughness(index).is_full() { 1.0 } else { MAX_COST_OF_MANY };
@@ -101,7 +101,7 @@ pub(in crate::plunge) fn plan_section(
     // If stopped, discard the incomplete second direction.
     let other = other.filter(|_| !monitor.is_stopped());
     let Some(DirectedPlan { mut cut, open, .. }) = other.or(first) else {
-        return Ok(SectionCut::empty(CutDirection::OutletToInlet, earlier.clone()));
+        return Ok(SectionCut::empty(CutDirection::OutletToInlet, columns));
     };
     cut_open_places(context, index, &open, &mut cut, monitor)?;
     add_extras(context, index, &mut cut, monitor)?;
@@ -196,7 +196,7 @@ fn plan_rows(
             open.extend(OpenRow::new((number, row), best.open()));
             let before = cut.columns.len();
             cut.columns = best.columns;
-            let (rule, columns) = ((tool, Some(MAX_LIFT_OF_DEPTH)), (&mut cut.columns, before));
+            let (rule, columns) = ((tool, Some(MINIMAL_MAX_LIFT_SHARE)), (&mut cut.columns, before));
             let row = lock_into_row(context, rule, best.row, columns, &mut waiting, closing)?;
             cut.rows.extend(row.split_where_axes_turn(context.setup.plunge.max_axis_change_rad));
             cut.note_missing(lambda, best.missing);

@@ -19,6 +19,9 @@ use crate::setup::{PlungePose, SectionKind, Setup, Tool};
 use crate::toolpath::TOOL_CHANGE_S;
 use crate::verify::PlungeReport;
 
+/// Faults that are listed one by one.
+const MAX_FAULTS: usize = 5;
+
 /// Rows of a table stay whole on a page, and its head is repeated.
 const STYLE: &str = "@page{size:A4;margin:15mm}body{font-family:sans-serif;font-size:11pt;max-width:180mm;\
     margin:0 auto}h1{font-size:16pt;margin:0}h2{font-size:13pt;margin:14pt 0 4pt;break-after:avoid}\
@@ -220,9 +223,6 @@ fn warning_list(mut warnings: Vec<String>) -> String {
     let items: String = warnings.iter().map(|text| format!("<li>{}</li>", escaped(text))).collect();
     format!("<h2>Before it runs</h2>\n<ul class=\"warning\">{items}</ul>\n")
 }
-
-/// Faults that are listed one by one.
-const MAX_FAULTS: usize = 5;
 
 /// The files and what `verify` says of the program.
 fn program_text(input: &SheetInput) -> String {

@@ -16,6 +16,10 @@ const REFRESH: u32 = 4;
 /// Neighbouring rays along each side of a block, and blocks along each side of a tile.
 const BLOCK: usize = 4;
 const BLOCKS: usize = TILE / BLOCK;
+/// Ends of the stock of a ray that has none.
+const NO_STOCK: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
+/// A gap that holds nothing.
+const NO_GAP: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
 /// Stock that a part of a tool met in one move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,9 +146,6 @@ pub fn deepest(mut found: Vec<Contact>) -> Vec<Contact> {
     found
 }
 
-/// Ends of the stock of a ray that has none.
-const NO_STOCK: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
-
 /// Where the stock of a ray begins and ends.
 fn ends_of(spans: &[Span]) -> (f64, f64) {
     match (spans.first(), spans.last()) {
@@ -152,9 +153,6 @@ fn ends_of(spans: &[Span]) -> (f64, f64) {
         _ => NO_STOCK,
     }
 }
-
-/// A gap that holds nothing.
-const NO_GAP: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
 /// The gap between the spans of a ray around the coordinate `t`; [`NO_GAP`] where there is stock.
 fn gap_around(spans: &[Span], t: f64) -> (f64, f64) {

@@ -3,6 +3,7 @@
 use egui::{ComboBox, Key, PopupCloseBehavior, RichText, Role, TextEdit, Ui, WidgetInfo};
 
 use crate::part::BlankShape;
+use crate::plunge::spacing::{default_step, default_stepover};
 use crate::setup::cutting_data::{CUTTING_DATA, CuttingData};
 use crate::setup::{AxisPolicy, Setup};
 
@@ -24,7 +25,7 @@ const POLICY: ChoiceSpec<AxisPolicy> = ChoiceSpec {
 
 const STEP: FieldSpec = FieldSpec::mm(
     "Step",
-    "Maximum distance of neighbouring axes along a row; auto: each tool's insert width.\n\
+    "Maximum distance of neighbouring axes along a row; auto: 0.8 × each tool's insert width.\n\
      Smaller: less stock between plunges and less core contact, but more plunges and time",
     0.5,
     100.0,
@@ -267,9 +268,9 @@ pub fn plunge(
         if setup.plunge.axis == AxisPolicy::Minimal && setup.plunge.goal != default.goal {
             goal_rows(ui, &mut setup.plunge.goal, known, default.goal, first);
         }
-        let (step, spacing) = (first.map(|t| t.insert_width), first.map(|t| 4.0 / 3.0 * t.radius()));
+        let (step, stepover) = (first.map(default_step), first.map(default_stepover));
         fields::optional_row(ui, &mut setup.plunge.step, &STEP, step);
-        fields::optional_row(ui, &mut setup.plunge.stepover, &STEPOVER, spacing);
+        fields::optional_row(ui, &mut setup.plunge.stepover, &STEPOVER, stepover);
         fields::angle_row(ui, &mut setup.plunge.max_tilt_rad, default.max_tilt_rad, &TILT);
         fields::angle_row(ui, &mut setup.machine.max_axis_tilt_rad, machine.max_axis_tilt_rad, &MACHINE);
         fields::angle_row(ui, &mut setup.plunge.max_axis_change_rad, default.max_axis_change_rad, &CHANGE);

@@ -4,6 +4,9 @@ use rayon::prelude::*;
 
 use crate::geometry::{Point, Vector};
 
+/// Marks the number of a vertex that the slab before has, too.
+pub const SHARED: u32 = 1 << 31;
+
 /// A side of a fan around a sharp vertex: its ends, and its triangle.
 pub type FanSide = ((u32, u32), u32);
 
@@ -36,9 +39,6 @@ impl Vertices {
         self.points.len() as u32 - 1
     }
 }
-
-/// Marks the number of a vertex that the slab before has, too.
-pub const SHARED: u32 = 1 << 31;
 
 /// Triangles of some planes of cells.
 #[derive(Default)]
