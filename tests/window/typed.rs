@@ -4,7 +4,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::io::setup_file::read_setup;
-use vanecut::setup::{Setup, Tool};
+use vanecut::setup::{MissingRates, Setup, Tool};
 
 use crate::fake;
 use crate::harness::{Window, choose_in_file_menu, click_enabled, press, settle, with_sample};
@@ -74,6 +74,42 @@ fn what_is_typed_behind_the_tab_key_goes_to_the_next_field_alone() {
     settle(&mut window);
     let tool = tool(&window);
     assert_eq!((tool.corner_radius, tool.overhang), (1.0, 150.0));
+}
+
+/// Drags the field of this name by some points to the right.
+fn drag(window: &mut Window, field: &str, points: f32) {
+    let at = window.get_by_role_and_label(Role::SpinButton, field).rect().center();
+    window.hover_at(at);
+    window.run_steps(2);
+    window.drag_at(at);
+    window.run_steps(2);
+    window.hover_at(at + egui::vec2(points, 0.0));
+    window.run_steps(2);
+    window.drop_at(at + egui::vec2(points, 0.0));
+    window.run_steps(4);
+    settle(window);
+}
+
+#[test]
+fn dragging_an_automatic_value_begins_where_it_stands() {
+    let mut window = with_tool_form();
+    for field in ["Feed rate", "Spindle speed"] {
+        type_into(&mut window, (field, 0), "auto");
+    }
+    let derived = tool(&window);
+    assert_eq!(derived.assembly.missing_rates, MissingRates::ALL);
+    for field in ["Feed rate", "Spindle speed"] {
+        drag(&mut window, field, 10.0);
+    }
+    let dragged = tool(&window);
+    assert_eq!(dragged.assembly.missing_rates, MissingRates::default(), "they are given");
+    // By 1 a point, to round numbers.
+    for (was, is) in [(derived.plunge_feed, dragged.plunge_feed), (derived.spindle, dragged.spindle)] {
+        assert!((was + 5.0..=was + 15.0).contains(&is), "from {was} to {is}");
+    }
+    // Down to the end and beyond it is automatic again.
+    drag(&mut window, "Feed rate", -2000.0);
+    assert!(tool(&window).assembly.missing_rates.plunge_feed);
 }
 
 #[test]
