@@ -113,6 +113,28 @@ fn dragging_an_automatic_value_begins_where_it_stands() {
 }
 
 #[test]
+fn a_rate_that_is_given_as_it_is_derived_leaves_the_plan_current() {
+    let mut window = with_tool_form();
+    for field in ["Feed rate", "Spindle speed"] {
+        type_into(&mut window, (field, 0), "auto");
+    }
+    window.get_by_label("Auto-update").click_accesskit();
+    window.run_steps(3);
+    let derived = tool(&window);
+    assert!(!window.state().state().out_of_date());
+    for (field, value) in [("Feed rate", derived.plunge_feed), ("Spindle speed", derived.spindle)] {
+        type_into(&mut window, (field, 0), &value.to_string());
+    }
+    assert_eq!(tool(&window), derived.with_given_rates());
+    assert!(!window.state().state().out_of_date(), "nothing that the plan depends on is another");
+    window.get_by_label_contains("T1 Ø30: ");
+    type_into(&mut window, ("Feed rate", 0), &(derived.plunge_feed + 1.0).to_string());
+    assert!(window.state().state().out_of_date());
+    type_into(&mut window, ("Feed rate", 0), "auto");
+    assert!(!window.state().state().out_of_date(), "as before");
+}
+
+#[test]
 fn an_impossible_size_of_a_tool_is_refused_at_its_field_with_the_cure() {
     let mut window = with_tool_form();
     assert_eq!((tool(&window).diameter, tool(&window).insert_width), (30.0, 10.0));
