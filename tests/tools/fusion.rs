@@ -198,6 +198,18 @@ fn a_fusion_library_that_is_written_to_keeps_what_vanecut_does_not_know() {
     assert!(merge_fusion("e.json", b"{\"data\": 3}", &library).is_err());
 }
 
+/// What is not edited stays as it is written, in the entry that is edited, too.
+#[test]
+fn an_edited_entry_keeps_the_order_and_the_writing_of_what_was_not_edited() {
+    let read =
+        |text: &str| read_library_bytes("shop.json", text.as_bytes(), LibraryFormat::FusionJson).unwrap();
+    let mut library = read(SHOP);
+    Arc::make_mut(&mut library.tools[0]).tool.assembly.teeth = Some(5);
+    Arc::make_mut(&mut library.tools[1]).tool.spindle = 15_000.0;
+    let wanted = SHOP.replace("\"NOF\":4,", "\"NOF\":5,").replace("\"n\":20000,", "\"n\":15000.0,");
+    assert_eq!(merged(SHOP, &library), (wanted, [2, 0, 1]));
+}
+
 /// Every value that a tool of ours may differ in, in both units and both kinds of presets, reads back.
 #[test]
 fn whatever_is_changed_in_a_tool_is_read_back_from_the_library_it_was_written_to() {
