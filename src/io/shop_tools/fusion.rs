@@ -123,8 +123,7 @@ fn entry((index, text): (usize, &&str)) -> FusionEntry {
         Err(why) => return FusionEntry::Other(format!("entry {number}"), why, true),
     };
     let kind = string(&tree, "type").unwrap_or_default();
-    let title = string(&tree, "description").unwrap_or_default();
-    let shown = format!("tool {number} ({})", quote_for_message(title));
+    let shown = shown(&tree, number);
     let Some((_, insert)) = MILLS.iter().find(|(mill, _)| *mill == kind) else {
         if kind == "holder" {
             return FusionEntry::Holder;
@@ -135,6 +134,14 @@ fn entry((index, text): (usize, &&str)) -> FusionEntry {
         Ok(tool) => FusionEntry::Mill(Box::new(tool)),
         Err(why) => FusionEntry::Other(shown, why, true),
     }
+}
+
+/// An entry in messages: by number and name of its tool, without a number by its `place` in the list.
+fn shown(entry: &Value, place: usize) -> String {
+    let number = entry.pointer("/post-process/number").and_then(Value::as_u64).filter(|number| *number > 0);
+    let what = number.map_or_else(|| format!("entry {place}"), |number| format!("tool {number}"));
+    let name = string(entry, "description").map(str::trim).filter(|name| !name.is_empty());
+    name.map_or(what.clone(), |name| format!("{what} ({})", quote_for_message(name)))
 }
 
 fn string<'v>(value: &'v Value, key: &str) -> Option<&'v str> {
