@@ -461,12 +461,12 @@ impl eframe::App for App {
         self.state.look.is_fresh &= !open;
         self.help.show(ui, &self.device);
         let setup = self.dock.rect(DockPanel::Setup);
-        let (picture, positions) = (self.dock.picture_rect(), self.dock.rect(DockPanel::Table));
+        let (picture, table) = (self.dock.picture_rect(), self.dock.rect(DockPanel::Table));
         self.show_tour(ui, |region| match region {
             WindowRegion::Setup => setup,
             WindowRegion::Verdict => verdict,
             WindowRegion::Picture => picture.or(Some(middle)),
-            WindowRegion::Positions => positions,
+            WindowRegion::Table => table,
             WindowRegion::Menus => Some(menus),
         });
         self.ask_unsaved(ui);

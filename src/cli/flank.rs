@@ -386,7 +386,7 @@ fn text(outcome: &FlankOutcome) -> String {
     for height in &curves.empty {
         text += &format!("nothing is planned {height} mm above the hub: the cutter fits nowhere there\n");
     }
-    text += &left_out_text(&plan.uncut);
+    text += &left_out_lines(&plan.uncut);
     if let Some(note) = overhang_note(&plan.tool, &plan.uncut, &outcome.workpiece.part) {
         text += &format!("{note}\n");
     }
@@ -394,7 +394,7 @@ fn text(outcome: &FlankOutcome) -> String {
 }
 
 /// Passes that were left out, by layer and reason, a line each.
-fn left_out_text(uncut: &[UncutLength]) -> String {
+fn left_out_lines(uncut: &[UncutLength]) -> String {
     let mut sums: Vec<UncutLength> = Vec::new();
     for left in uncut {
         match sums.iter_mut().find(|sum| (sum.layer, sum.why) == (left.layer, left.why)) {
@@ -404,9 +404,9 @@ fn left_out_text(uncut: &[UncutLength]) -> String {
     }
     let line = |UncutLength { layer, length, why, overhang, .. }: UncutLength| {
         let why = why.message;
-        let length = if length < 0.1 { "less than 0.1".to_owned() } else { format!("{length:.1}") };
+        let length = words::left_out_text(length, |mm| format!("{mm:.1} mm"));
         let overhang = overhang.map_or(String::new(), |most| format!("; an overhang of {most} mm would do"));
-        format!("left out: {length} mm of passes of layer {}, {why}{overhang}\n", layer + 1)
+        format!("left out: {length} of passes of layer {}, {why}{overhang}\n", layer + 1)
     };
     sums.into_iter().map(line).collect()
 }
@@ -434,7 +434,7 @@ mod tests {
             left(1, 0.02, "too short", None),
         ];
         assert_eq!(
-            left_out_text(&uncut),
+            left_out_lines(&uncut),
             "left out: 1.2 mm of passes of layer 2, a blade is too near\n\
              left out: 5.0 mm of passes of layer 1, the holder meets the part; an overhang of 43 mm would do\n\
              left out: less than 0.1 mm of passes of layer 2, too short\n"

@@ -5,7 +5,7 @@ use glam::UVec2;
 use super::args::RenderArgs;
 use super::render_words::SOLID;
 use super::{Failure, render_solid};
-use crate::drawing::flank::{FlankColours, toolpath_lines, wall_deviations};
+use crate::drawing::flank::{FlankColours, toolpath_lines, wall_deviations, wall_scale_end};
 use crate::drawing::scene_of_part;
 use crate::error::{ErrorCode, UserError};
 use crate::gpu::image::draw_png;
@@ -36,7 +36,7 @@ pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -
     }
     let walls = (colours == FlankColours::Walls).then(|| wall_deviations(&plan.part, &plan.walls));
     let (shown_on, map, most) = match &walls {
-        Some((_, most)) => (FloorColours::Walls, ColourMap::Difference, most.max(1e-3)),
+        Some((_, most)) => (FloorColours::Walls, ColourMap::Difference, wall_scale_end(*most)),
         None => (FloorColours::Plain, ColourMap::default(), 1.0),
     };
     let options = SceneOptions {

@@ -182,6 +182,13 @@ pub fn wall_deviations(part: &Impeller, walls: &[ShownWall]) -> (Mesh, f32) {
     (mesh, most as f32)
 }
 
+/// Upper end of the scale of walls, which is symmetric, for over- and undercut up to `most`, mm.
+pub fn wall_scale_end(most: f32) -> f32 {
+    /// Least end, mm: machines resolve no less.
+    const MIN_END: f32 = 1e-3;
+    most.max(MIN_END)
+}
+
 fn segment(a: &Point, b: &Point, wall: bool, colour: Rgb) -> Segment {
     let at = |p: &Point| [p.x as f32, p.y as f32, p.z as f32];
     Segment::coloured(at(a), at(b), WIDTHS[usize::from(!wall)], colour)

@@ -204,8 +204,9 @@ impl FlankOutcome {
 
     /// Whether its cutter would be chosen again for a `setup` that may have other tools.
     pub fn would_choose_from(&self, setup: &Setup) -> bool {
-        let same = || self.space.choose_tool(setup, flank_cutters()).is_ok_and(|c| c.tool == self.plan.tool);
-        self.given_tools == setup.tools || same()
+        let chosen = || self.space.choose_tool(setup, flank_cutters());
+        let same = || chosen().is_ok_and(|chosen| chosen.tool.cuts_like(&self.plan.tool));
+        Tool::cut_alike(&self.given_tools, &setup.tools) || same()
     }
 
     /// Whether plunges would open the channel with the same tool for a `setup` that may have other tools, or
@@ -216,7 +217,7 @@ impl FlankOutcome {
         let (was, is) = (&self.given_tools, &setup.tools);
         let has_own = for_plunges(is).next().is_some();
         !self.needs_opening
-            || for_plunges(was).eq(for_plunges(is)) && (has_own || numbers(was) == numbers(is))
+            || Tool::cut_alike(for_plunges(was), for_plunges(is)) && (has_own || numbers(was) == numbers(is))
     }
 
     /// Largest overcut below the blade allowance, mm: of the program if it can be verified, else of the

@@ -3,7 +3,7 @@
 use glam::UVec2;
 
 use super::PagePicture;
-use crate::drawing::flank::{FlankColours, toolpath_lines, wall_deviations};
+use crate::drawing::flank::{FlankColours, toolpath_lines, wall_deviations, wall_scale_end};
 use crate::drawing::{scene_of_part, show_plan};
 use crate::error::UserError;
 use crate::gpu::image::draw_png;
@@ -39,7 +39,7 @@ pub fn flank_pictures(outcome: &FlankOutcome, prefix: &str) -> Result<Vec<PagePi
     draw(&scene, &options, "passes", "passes by layer: dark next to the hub, light at the top".to_owned())?;
     let mut scene = scene_of_part(&gpu, part);
     let (mesh, most) = wall_deviations(part, &outcome.shown_walls());
-    let most = most.max(1e-3);
+    let most = wall_scale_end(most);
     scene.set_values(&gpu, mesh);
     let options = SceneOptions {
         map: ColourMap::Difference,

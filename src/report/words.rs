@@ -56,6 +56,16 @@ pub fn finishing_text(outcome: &PlanOutcome, result: &PolicyResult) -> Option<St
     ))
 }
 
+/// Length of passes that are not cut, from mm, which `length` writes with one decimal.
+pub fn left_out_text(length_mm: f64, length: impl Fn(f64) -> String) -> String {
+    /// Shorter ones would be written as 0.0, mm.
+    const SHORT_MM: f64 = 0.1;
+    match length_mm < SHORT_MM {
+        true => format!("less than {}", length(SHORT_MM)),
+        false => length(length_mm),
+    }
+}
+
 /// What keeps the plan of `outcome` from its goal, with lengths written by `length` (from mm); `None` where
 /// the goal is met.
 pub fn missed_goal(outcome: &PlanOutcome, length: impl Fn(f64) -> String) -> Option<String> {

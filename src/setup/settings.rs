@@ -149,9 +149,11 @@ impl Setup {
         Self { channels: other.channels, ..self.clone() }.equals_except_flank(other)
     }
 
-    /// Whether the other setup leads to the same plunge programs: both differ at most in `[flank]`.
+    /// Whether the other setup leads to the same plunge programs: both differ at most in `[flank]`, and in
+    /// which rates of their tools are given and which of the same amount follow from others.
     pub fn equals_except_flank(&self, other: &Self) -> bool {
-        Self { flank: other.flank.clone(), ..self.clone() } == *other
+        Tool::cut_alike(&self.tools, &other.tools)
+            && Self { flank: other.flank.clone(), tools: other.tools.clone(), ..self.clone() } == *other
     }
 }
 

@@ -99,6 +99,27 @@ impl Tool {
         Self { assembly, ..self.clone() }
     }
 
+    /// Whether it is `other` but for which of its rates are given and which, of the same amount, follow from
+    /// others: plans do not depend on that.
+    pub fn cuts_like(&self, other: &Self) -> bool {
+        self == other || self.with_given_rates() == other.with_given_rates()
+    }
+
+    /// Whether each of `tools` cuts like that of `others` in its place.
+    pub fn cut_alike<'t>(
+        tools: impl IntoIterator<Item = &'t Self>,
+        others: impl IntoIterator<Item = &'t Self>,
+    ) -> bool {
+        let (mut tools, mut others) = (tools.into_iter(), others.into_iter());
+        loop {
+            match (tools.next(), others.next()) {
+                (None, None) => return true,
+                (Some(tool), Some(other)) if tool.cuts_like(other) => {}
+                _ => return false,
+            }
+        }
+    }
+
     /// Whether its bottom is flat but for its corners: a mill for plunging. Others end in a ball, or nearly.
     pub fn is_flat(&self) -> bool {
         self.corner_radius < 0.5 * self.radius()

@@ -198,6 +198,32 @@ fn a_fusion_library_that_is_written_to_keeps_what_vanecut_does_not_know() {
     assert!(merge_fusion("e.json", b"{\"data\": 3}", &library).is_err());
 }
 
+/// What is not edited stays as it is written, in the entry that is edited, too.
+#[test]
+fn an_edited_entry_keeps_the_order_and_the_writing_of_what_was_not_edited() {
+    let read =
+        |text: &str| read_library_bytes("shop.json", text.as_bytes(), LibraryFormat::FusionJson).unwrap();
+    let mut library = read(SHOP);
+    Arc::make_mut(&mut library.tools[0]).tool.assembly.teeth = Some(5);
+    Arc::make_mut(&mut library.tools[1]).tool.spindle = 15_000.0;
+    let wanted = SHOP.replace("\"NOF\":4,", "\"NOF\":5,").replace("\"n\":20000,", "\"n\":15000.0,");
+    assert_eq!(merged(SHOP, &library), (wanted, [2, 0, 1]));
+}
+
+/// Entries are named as the window names tools: their place in the list says nothing.
+#[test]
+fn entries_that_are_left_out_are_named_by_number_and_name() {
+    let notes = read(&with_tools(json!([
+        {"type": "drill", "unit": "millimeters", "description": "drill 3", "post-process": {"number": 17}},
+        {"type": "flat end mill", "unit": "millimeters", "geometry": {"DC": 4}, "post-process": {"number": 5}},
+        {"type": "chamfer mill", "unit": "millimeters", "post-process": {"number": 0}},
+        {"type": "tap", "unit": "millimeters", "description": "M6"}
+    ])))
+    .notes;
+    let named: Vec<&str> = notes.iter().filter_map(|note| note.split(" is left out").next()).collect();
+    assert_eq!(named, ["tool 17 (`drill 3`)", "entry 3", "entry 4 (`M6`)"]);
+}
+
 /// Every value that a tool of ours may differ in, in both units and both kinds of presets, reads back.
 #[test]
 fn whatever_is_changed_in_a_tool_is_read_back_from_the_library_it_was_written_to() {

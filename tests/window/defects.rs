@@ -5,6 +5,7 @@ use std::sync::atomic::Ordering;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
+use vanecut::app::model::part_source::PartSource;
 use vanecut::app::tasks::engine::Engine;
 use vanecut::app::views::theme::Condition;
 use vanecut::job::PlanOutcome;
@@ -248,6 +249,23 @@ fn a_plunge_is_lifted_twice_after_tools_are_taken_over() {
     }
     let edits = window.state().state().document.edited.setup.plunge.edits.clone();
     assert!(matches!(edits[..], [PlungeEdit { change: PlungeChange::Lift(2.0), .. }]), "{edits:?}");
+    slow.store(false, Ordering::SeqCst);
+    settle(&mut window);
+}
+
+#[test]
+fn there_is_nothing_to_cancel_before_anything_is_open() {
+    let (engine, slow) = fake::engine();
+    let mut window = window(engine);
+    window.run_steps(3);
+    assert!(window.query_by_label("Cancel").is_none());
+    let preview = |window: &Window| window.get_by_label_contains("Preview").rect();
+    let before = preview(&window);
+    slow.store(true, Ordering::SeqCst);
+    window.state_mut().open_part(PartSource::Sample("impeller532".to_owned()));
+    window.run_steps(3);
+    window.get_by_label("Cancel");
+    assert_eq!(preview(&window), before, "nothing moves");
     slow.store(false, Ordering::SeqCst);
     settle(&mut window);
 }

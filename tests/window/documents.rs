@@ -3,10 +3,16 @@
 use std::path::Path;
 
 use egui_kittest::kittest::Queryable;
+use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::look::Operation;
+use vanecut::flank::region::Region;
+use vanecut::flank::{UncutLength, UncutReason};
 use vanecut::job::assess::AssessedPart;
+use vanecut::job::flank::FlankOutcome;
 
 use crate::dialogs::{name_file, press_enter};
 use crate::fake;
+use crate::flank::plan_flank;
 use crate::harness::{Window, settle, snapshot_ui, with_sample};
 
 /// Asserts that the page at `path` shows pictures, and that all of them are there.
@@ -82,4 +88,32 @@ fn the_setup_sheet_is_that_of_the_shown_plan() {
     // As `verify` has it: what is unknown was not checked.
     assert!(page.contains("Shank and holder of tool 1 are unknown and were not checked."));
     assert!(!page.contains("a cylinder of twice"));
+}
+
+/// Window and sheet give the length of the passes that are left out with the same digits.
+#[test]
+fn the_sheet_of_a_flank_plan_gives_lengths_as_the_window_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let (engine, _) = fake::engine();
+    let flank = |outcome: &mut FlankOutcome| {
+        let why = UncutReason::new("too short");
+        let left = UncutLength { layer: 0, region: Region::INLET, length: 0.62, why, overhang: None };
+        outcome.plan.uncut = vec![left];
+    };
+    let mut window = with_sample(fake::with_changed_flank(engine, flank));
+    plan_flank(&mut window, 10.0);
+    window.set_size(egui::vec2(1280.0, 900.0));
+    window.run_steps(8);
+    window.get_by_label("0.6 mm of passes are skipped:");
+    let path = folder.path().join("sheet.html");
+    let ctx = window.ctx.clone();
+    let purpose = Purpose::ExportSheet { operation: Operation::Flank };
+    window.state_mut().file_chosen(&ctx, purpose, path.clone());
+    window.run_steps(3);
+    window.get_by_label("Export anyway").click();
+    window.run_steps(3);
+    settle(&mut window);
+    let page = std::fs::read_to_string(&path).unwrap();
+    assert!(page.contains("0.6 mm of passes are left out; the longest stretch, on layer 1: too short."));
+    assert!(page.contains("<td>0.6</td>") && page.contains("<td>0</td>"), "by layer");
 }

@@ -13,7 +13,7 @@ use vanecut::app::model::solid::SolidSource;
 use vanecut::app::model::units::DisplayUnits;
 use vanecut::app::model::verdict;
 use vanecut::app::tasks::engine::Engine;
-use vanecut::drawing::flank::{FlankColours, wall_deviations};
+use vanecut::drawing::flank::{FlankColours, wall_deviations, wall_scale_end};
 use vanecut::flank::choice::selectable;
 use vanecut::flank::region::Region;
 use vanecut::flank::{UncutLength, UncutReason};
@@ -207,7 +207,8 @@ fn the_scale_of_the_walls_is_that_of_what_the_program_leaves() {
     window.run_steps(4);
     let outcome = window.state().state().results.flank.clone().expect("planned");
     let verdict = outcome.verdict.as_ref().expect("verified");
-    let most = verdict.max_overcut.max(verdict.max_undercut).max(0.02) as f32;
+    let most = wall_scale_end(verdict.max_overcut.max(verdict.max_undercut) as f32);
+    assert!(most < 0.02, "small deviations fill the scale, too: {most}");
     window.get_by_label(&DisplayUnits::Metric.deviation((-most).into()));
     assert_eq!(window.state().state().shown_deviation(), Some(most));
     let (mesh, largest) = wall_deviations(&outcome.workpiece.part, &outcome.shown_walls());

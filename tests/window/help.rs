@@ -2,6 +2,7 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
+use vanecut::app::model::panels::DockPanel;
 
 use crate::fake;
 use crate::harness::{sample_in, snapshot_ui, window};
@@ -60,7 +61,14 @@ fn the_tour_is_offered_once_and_shows_the_parts_of_the_window() {
         first.get_by_role_and_label(Role::Button, button).click();
         // A card of another height takes its place.
         first.run_steps(5);
-        first.get_by_label(&format!("{page} of 5"));
+        let number = first.get_by_label(&format!("{page} of 5")).rect();
+        // Panels have the names of their tabs and menus.
+        let panel = [(3, DockPanel::Picture), (4, DockPanel::Table)].into_iter().find(|(of, _)| *of == page);
+        if let Some((_, panel)) = panel {
+            let mut titles = first.query_all_by_label(panel.title()).map(|title| title.rect());
+            let above = titles.find(|title| title.left() == number.left() && title.bottom() < number.top());
+            assert!(above.is_some(), "{}", panel.title());
+        }
     }
     first.get_by_role_and_label(Role::Button, "Done").click();
     first.run_steps(2);

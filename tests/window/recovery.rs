@@ -426,3 +426,40 @@ fn a_copy_stays_where_what_was_recovered_cannot_be_copied() {
     assert!(copy.exists(), "the only copy");
     window.get_by_label_contains("No recovery copy was written");
 }
+
+/// One colour means one height, also in the next session.
+#[test]
+fn colour_scales_stay_when_a_project_is_opened_again_or_recovered() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (home, path) = (folder.path().join("home"), folder.path().join("p.vanecut"));
+    let (engine, _) = fake::engine();
+    let mut first = window_with_saved(&engine, &home, folder.path(), &path);
+    let scales = |window: &Window| {
+        let look = &window.state().state().look;
+        (look.range, look.wall_end)
+    };
+    let fitted = scales(&first);
+    assert!(fitted.0.is_some() && fitted.1.is_none());
+    let look = first.state_mut().look_mut();
+    (look.range, look.wall_end) = (Some((0.35, 2.7)), Some(0.013));
+    save_as(&mut first, &path);
+    drop(first);
+    let mut second = window_with_project(&engine, &home, &path);
+    assert_eq!(scales(&second), (Some((0.35, 2.7)), Some(0.013)));
+    // The copy has the scales of the moment, although the edit is older.
+    edit_until_copied(&mut second, 7.0);
+    let look = second.state_mut().look_mut();
+    (look.range, look.wall_end) = (Some((0.1, 0.9)), None);
+    second.run_steps(14);
+    drop(second);
+    let mut third = window_with_project(&engine, &home, &path);
+    click_enabled(&third, "Recover");
+    third.run_steps(3);
+    settle(&mut third);
+    assert_eq!((step(&third), scales(&third)), (Some(7.0), (Some((0.1, 0.9)), None)));
+    // Those of a project of another program are fitted.
+    let text = std::fs::read_to_string(&path).expect("reads");
+    std::fs::write(&path, text.replace("2.7", "0.1")).expect("writes");
+    let other = window_with_project(&engine, &folder.path().join("other"), &path);
+    assert_eq!(scales(&other).0, fitted.0);
+}

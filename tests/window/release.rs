@@ -104,6 +104,40 @@ fn a_shank_in_the_way_is_asked_about_before_a_plunge_program_is_written() {
     assert!(path.exists(), "it is accepted");
 }
 
+/// The setup sheet goes to the machine with the program.
+#[test]
+fn a_shank_in_the_way_is_asked_about_before_a_setup_sheet_is_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("p.html");
+    let (engine, _) = fake::engine();
+    let engine = fake::with_changed_plans(engine, |outcome| {
+        for tool in &mut outcome.setup.tools {
+            tool.assembly.shank = vec![[90.0, tool.overhang - 10.0]];
+        }
+    });
+    let mut window = with_sample(engine);
+    let ctx = window.ctx.clone();
+    let sheet = Purpose::ExportSheet { operation: Operation::Roughing };
+    let ask = |window: &mut Window| {
+        window.state_mut().file_chosen(&ctx, sheet, path.clone());
+        window.run_steps(2);
+        settle(window);
+        window.get_by_label("Export the setup sheet of this plan?");
+        assert!(window.query_all_by_label_contains("the shank of tool 1 comes within").count() > 0);
+        assert!(!path.exists(), "not before that is answered");
+    };
+    ask(&mut window);
+    window.key_press(egui::Key::Escape);
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(!path.exists());
+    ask(&mut window);
+    window.get_by_label("Export anyway").click();
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(path.exists(), "it is accepted");
+}
+
 /// A calculation that ends while the question is open replaces the plan that it is about: what is written is
 /// what the question names, and no button takes the place of another.
 #[test]

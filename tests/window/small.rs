@@ -4,7 +4,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 
 use crate::fake;
-use crate::harness::{Window, sample_in, scaled, settle, turn_wheel};
+use crate::harness::{Window, pixels_in, sample_in, scaled, settle, turn_wheel};
 
 const SIZE: egui::Vec2 = egui::Vec2::new(533.0, 333.0);
 /// Height of the status bar, points.
@@ -52,6 +52,21 @@ fn all_columns_are_reached_in_the_smallest_window_with_large_text() {
         found.find(|rect| picture.contains_rect(*rect)).expect("a button")
     });
     assert!(!buttons[0].intersects(buttons[1]), "{buttons:?}");
+}
+
+/// Nothing of the window is left to the black that a frame begins with.
+#[test]
+fn no_black_strips_lie_beside_the_bars_that_scroll_the_panels() {
+    let mut window = small_window();
+    let pixels = SIZE * 1.5;
+    for strip in [
+        egui::Rect::from_min_max(egui::pos2(0.0, pixels.y - 84.0), egui::pos2(pixels.x, pixels.y)),
+        egui::Rect::from_min_max(egui::pos2(pixels.x - 36.0, 0.0), pixels.to_pos2()),
+    ] {
+        let seen = pixels_in(&mut window, strip);
+        let black = seen.iter().filter(|[r, g, b, _]| r.max(g).max(b) < &16).count();
+        assert_eq!(black, 0, "of {} in {strip}", seen.len());
+    }
 }
 
 #[test]

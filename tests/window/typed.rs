@@ -4,7 +4,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::io::setup_file::read_setup;
-use vanecut::setup::{Setup, Tool};
+use vanecut::setup::{MissingRates, Setup, Tool};
 
 use crate::fake;
 use crate::harness::{Window, choose_in_file_menu, click_enabled, press, settle, with_sample};
@@ -74,6 +74,64 @@ fn what_is_typed_behind_the_tab_key_goes_to_the_next_field_alone() {
     settle(&mut window);
     let tool = tool(&window);
     assert_eq!((tool.corner_radius, tool.overhang), (1.0, 150.0));
+}
+
+/// Drags the field of this name by some points to the right.
+fn drag(window: &mut Window, field: &str, points: f32) {
+    let at = window.get_by_role_and_label(Role::SpinButton, field).rect().center();
+    window.hover_at(at);
+    window.run_steps(2);
+    window.drag_at(at);
+    window.run_steps(2);
+    window.hover_at(at + egui::vec2(points, 0.0));
+    window.run_steps(2);
+    window.drop_at(at + egui::vec2(points, 0.0));
+    window.run_steps(4);
+    settle(window);
+}
+
+#[test]
+fn dragging_an_automatic_value_begins_where_it_stands() {
+    let mut window = with_tool_form();
+    for field in ["Feed rate", "Spindle speed"] {
+        type_into(&mut window, (field, 0), "auto");
+    }
+    let derived = tool(&window);
+    assert_eq!(derived.assembly.missing_rates, MissingRates::ALL);
+    for field in ["Feed rate", "Spindle speed"] {
+        drag(&mut window, field, 10.0);
+    }
+    let dragged = tool(&window);
+    assert_eq!(dragged.assembly.missing_rates, MissingRates::default(), "they are given");
+    // By 1 a point, to round numbers.
+    for (was, is) in [(derived.plunge_feed, dragged.plunge_feed), (derived.spindle, dragged.spindle)] {
+        assert!((was + 5.0..=was + 15.0).contains(&is), "from {was} to {is}");
+    }
+    // Down to the end and beyond it is automatic again.
+    drag(&mut window, "Feed rate", -2000.0);
+    assert!(tool(&window).assembly.missing_rates.plunge_feed);
+}
+
+#[test]
+fn a_rate_that_is_given_as_it_is_derived_leaves_the_plan_current() {
+    let mut window = with_tool_form();
+    for field in ["Feed rate", "Spindle speed"] {
+        type_into(&mut window, (field, 0), "auto");
+    }
+    window.get_by_label("Auto-update").click_accesskit();
+    window.run_steps(3);
+    let derived = tool(&window);
+    assert!(!window.state().state().out_of_date());
+    for (field, value) in [("Feed rate", derived.plunge_feed), ("Spindle speed", derived.spindle)] {
+        type_into(&mut window, (field, 0), &value.to_string());
+    }
+    assert_eq!(tool(&window), derived.with_given_rates());
+    assert!(!window.state().state().out_of_date(), "nothing that the plan depends on is another");
+    window.get_by_label_contains("T1 Ø30: ");
+    type_into(&mut window, ("Feed rate", 0), &(derived.plunge_feed + 1.0).to_string());
+    assert!(window.state().state().out_of_date());
+    type_into(&mut window, ("Feed rate", 0), "auto");
+    assert!(!window.state().state().out_of_date(), "as before");
 }
 
 #[test]

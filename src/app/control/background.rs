@@ -433,7 +433,7 @@ impl App {
             }
             Purpose::ExportNc { operation, .. } => self.export_nc(operation, path, on_faults),
             Purpose::OpenPost => self.take_post(&path),
-            Purpose::ExportSheet { operation } => self.export_sheet(operation, path),
+            Purpose::ExportSheet { operation } => self.export_sheet(operation, path, on_faults),
             Purpose::SaveAssessment => {
                 if let Some(assessed) = self.assessing.known(&self.state) {
                     let assessed = Arc::clone(assessed);

@@ -88,27 +88,20 @@ impl App {
         if concerns.is_empty() {
             self.use_file(ctx, purpose, path, OnFaults::Ask);
         } else {
-            let words = match purpose {
-                Purpose::SaveLibrary if is_fusion_library(&path) => &release::EXISTING_LIBRARY,
-                Purpose::SaveLibrary => &release::LIBRARY,
-                Purpose::ExportSheet { .. } => &release::SHEET,
-                Purpose::ExportScene { .. } => &release::SCENE,
-                Purpose::ExportStock { .. } => &release::STOCK,
-                _ => &release::PROGRAM,
-            };
-            let channels = self.channels_of(purpose);
-            self.ask_about(purpose, path, channels, concerns, words);
+            self.ask_about(purpose, path, concerns);
         }
     }
 
-    fn ask_about(
-        &mut self,
-        purpose: Purpose,
-        path: PathBuf,
-        channels: usize,
-        concerns: Vec<String>,
-        words: &'static ReleaseWords,
-    ) {
+    fn ask_about(&mut self, purpose: Purpose, path: PathBuf, concerns: Vec<String>) {
+        let words = match purpose {
+            Purpose::SaveLibrary if is_fusion_library(&path) => &release::EXISTING_LIBRARY,
+            Purpose::SaveLibrary => &release::LIBRARY,
+            Purpose::ExportSheet { .. } => &release::SHEET,
+            Purpose::ExportScene { .. } => &release::SCENE,
+            Purpose::ExportStock { .. } => &release::STOCK,
+            _ => &release::PROGRAM,
+        };
+        let channels = self.channels_of(purpose);
         let recalculation = match self.can_change(purpose) {
             true => Recalculation::Offered,
             false => Recalculation::None,
@@ -174,8 +167,7 @@ impl App {
 
     /// Asks about a program that has faults as it would be written.
     pub(in crate::app) fn ask_about_faults(&mut self, purpose: Purpose, path: PathBuf, faults: &[Fault]) {
-        let channels = self.channels_of(purpose);
-        self.ask_about(purpose, path, channels, fault_lines(faults), &release::PROGRAM);
+        self.ask_about(purpose, path, fault_lines(faults));
         if let Some(question) = &mut self.release {
             question.judged = Some(ExportedPlans::of(&self.state.results));
         }
@@ -355,16 +347,16 @@ impl App {
     }
 
     /// Writes the setup sheet of the plan of `operation`, which names the programs that were written of it.
-    pub(in crate::app) fn export_sheet(&mut self, operation: Operation, path: PathBuf) {
+    pub(in crate::app) fn export_sheet(&mut self, operation: Operation, path: PathBuf, on_faults: OnFaults) {
         let exported = &self.state.results.exported;
         let (source, files) = match operation {
             Operation::Flank => {
-                let Some(flank) = self.flank_source(1, OnFaults::Ask) else { return };
+                let Some(flank) = self.flank_source(1, on_faults) else { return };
                 let (channels, files) = exported.of_flank(&flank.outcome);
                 (ProgramSource::Flank(FlankSource { channels, ..flank }), files)
             }
             Operation::Roughing | Operation::Program => {
-                let Some(plunges) = self.shown_plunges(1, OnFaults::Ask) else { return };
+                let Some(plunges) = self.shown_plunges(1, on_faults) else { return };
                 let (channels, files) = exported.of_plunges(&plunges.planned, plunges.policy);
                 (ProgramSource::Plunges(PlungeSource { channels, ..plunges }), files)
             }

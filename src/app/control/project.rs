@@ -19,7 +19,7 @@ use crate::app::tasks::files::{ProjectTask, WriteTask, WrittenProject};
 use crate::app::tasks::home::{Home, Preferences, is_same_file};
 use crate::app::tasks::lock::{HeldLock, LockTry};
 use crate::app::tasks::open_task::OpenTask;
-use crate::app::tasks::project::{project_of, show_layers_of};
+use crate::app::tasks::project::{project_of, show_view_of};
 use crate::app::views::changed::{self, ChangedAnswer};
 use crate::app::views::missing_part::{self, MissingPartAnswer};
 use crate::app::views::tour::WindowRegion;
@@ -33,12 +33,15 @@ const MAX_REPORTED_FAULTS: usize = 4;
 /// Time between two attempts to hold the lock of a project that another window has open, s.
 const CLAIM_EVERY: f64 = 1.0;
 
+/// [`Look::range`] and [`Look::wall_end`].
+type ColourScales = (Option<(f32, f32)>, Option<f32>);
+
 /// State of the session that is not part of [`AppState`].
 #[derive(Default)]
 pub(in crate::app) struct Session {
     pub(super) home: Option<Home>,
-    /// Content of the recovery copy on disk.
-    pub(super) copied: Option<Edited>,
+    /// Content of the recovery copy on disk, with the colour scales of hub and walls.
+    pub(super) copied: Option<(Edited, ColourScales)>,
     /// When the recovery copy was due last, s.
     pub(super) copied_at: Option<f64>,
     /// When recovery copies of other sessions are looked for again, s; `None` where none of them runs.
@@ -315,7 +318,7 @@ impl App {
         let PlanSelection { before, position, cut, channels, channels_cut, channel, .. } = project.chosen;
         let channel_count = self.channel_count();
         let look = &mut self.state.look;
-        show_layers_of(project, look);
+        show_view_of(project, look);
         look.side = if before { Side::Before } else { Side::After };
         (look.selected, look.selected_channel, look.cut_count) = (position, channel, cut);
         look.shown_channels = channels.clamp(1, channel_count);

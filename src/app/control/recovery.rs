@@ -8,6 +8,7 @@ use egui::{Context, Ui};
 
 use super::unsaved::Pending;
 use crate::app::App;
+use crate::app::model::document::Edited;
 use crate::app::model::file_purpose::FilePlace;
 use crate::app::model::problem::Problem;
 use crate::app::model::shop_library::ShopLibrary;
@@ -129,8 +130,8 @@ impl App {
         home::remove_copy(path);
     }
 
-    /// Writes the recovery copy when it is due: an edit after a pause at once, and one of many soon. Removes
-    /// it once the edits are undone. Call once per frame.
+    /// Writes the recovery copy when it is due: an edit after a pause at once, and one of many soon; likewise
+    /// with colour scales that are chosen anew. Removes it once the edits are undone. Call once per frame.
     pub(in crate::app) fn keep_copy(&mut self, ctx: &Context) {
         let session = &mut self.session;
         // Closing was confirmed: what was not saved is meant to go.
@@ -141,7 +142,9 @@ impl App {
             }
             return;
         }
-        if session.copied.as_ref() == Some(&self.state.document.edited) {
+        let scales = (self.state.look.range, self.state.look.wall_end);
+        let is_it = |(edited, known): &(Edited, _)| *edited == self.state.document.edited && *known == scales;
+        if session.copied.as_ref().is_some_and(is_it) {
             return;
         }
         let now = ctx.input(|input| input.time);
@@ -216,7 +219,8 @@ impl App {
         project.original_hash = self.state.document.on_disk.filter(|_| project.original.is_some());
         let written = home.write_copy(&write_project(&project, home.copy()));
         // An error is reported once; the next change tries again.
-        self.session.copied = Some(self.state.document.edited.clone());
+        let look = &self.state.look;
+        self.session.copied = Some((self.state.document.edited.clone(), (look.range, look.wall_end)));
         if let Err(error) = &written {
             let what = format!("No recovery copy was written. {}", Problem::from(error).message);
             self.state.report_problem(Problem::new(what, "save the project: a crash would lose the changes"));

@@ -12,7 +12,7 @@ use crate::geometry::{Point, Vector};
 use crate::gpu::mesh::Segment;
 use crate::io::program_file::NcMachine;
 use crate::part::{Impeller, Workpiece};
-use crate::setup::Setup;
+use crate::setup::{Setup, Tool};
 use crate::toolpath::ClProgram;
 use crate::verify::Fault;
 
@@ -39,7 +39,8 @@ impl CheckRequest {
             && (&self.machine, &self.control) == (&other.machine, &other.control)
             && Arc::ptr_eq(&self.part, &other.part)
             && (&a.allowances, &a.clearances) == (&b.allowances, &b.clearances)
-            && (&a.tools, &a.machine) == (&b.tools, &b.machine)
+            && Tool::cut_alike(&a.tools, &b.tools)
+            && a.machine == b.machine
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::units::DisplayUnits;
 use crate::flank::UncutLength;
+use crate::report::words::left_out_text;
 
 /// Stretches of passes that are not cut for the same reason.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,13 +35,7 @@ fn sum(stretches: &[UncutLength]) -> f64 {
 
 /// Length of passes that are not cut, in words.
 pub fn skipped_length(stretches: &[UncutLength], units: DisplayUnits) -> String {
-    /// Shorter ones would be written as 0.0, mm.
-    const SHORT: f64 = 0.1;
-    let length = sum(stretches);
-    match length < SHORT {
-        true => format!("less than {}", units.length(SHORT, 1)),
-        false => units.length(length, 1),
-    }
+    left_out_text(sum(stretches), |mm| units.length(mm, 1))
 }
 
 #[cfg(test)]

@@ -50,7 +50,7 @@ impl DockPanel {
     ];
 
     /// Title of its tab, window and menu item.
-    pub fn title(self) -> &'static str {
+    pub const fn title(self) -> &'static str {
         match self {
             Self::Setup => "Setup",
             Self::Picture => "3D view",

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::job::{PlanOutcome, PolicyResult};
 use crate::plunge::{PlungePlan, Position};
-use crate::setup::{AllowanceSetup, AxisPolicy, SectionSetup, Setup};
+use crate::setup::{AllowanceSetup, AxisPolicy, SectionSetup, Setup, Tool};
 use crate::stock::{
     FieldCutter, FieldProgram, FloorGrid, FloorLevel, FloorLevels, ResidualField, field_cutters,
 };
@@ -122,7 +122,7 @@ impl DisplayPlan {
             return true;
         }
         let chosen = &self.outcome.setup;
-        if !self.setup.tools.is_empty() || setup.tools != chosen.tools {
+        if !self.setup.tools.is_empty() || !Tool::cut_alike(&setup.tools, &chosen.tools) {
             return false;
         }
         let mut asked = self.setup.clone();

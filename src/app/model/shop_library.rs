@@ -333,6 +333,7 @@ mod tests {
         let noted = ["insert width assumed: the cutter cuts to its centre", "another remark", rates];
         library.edit(|library| {
             let entry = Arc::make_mut(&mut library.tools[0]);
+            entry.tool.insert_width = entry.tool.radius();
             entry.tool.assembly.missing_rates.plunge_feed = true;
             entry.notes = noted.map(str::to_owned).to_vec();
         });
@@ -340,6 +341,15 @@ mod tests {
         let notes = |library: &ShopLibrary| library.content().tools[0].notes.clone();
         library.replace(0, Tool { spindle: 4000.0, ..tool.clone() });
         assert_eq!(notes(&library), noted);
+        // With another diameter it cuts to its centre or no longer, whoever said how wide its inserts are.
+        let resized = |factor: f64| {
+            let diameter = factor * tool.diameter;
+            Tool { diameter, insert_width: tool.insert_width.min(0.5 * diameter), ..tool.clone() }
+        };
+        library.replace(0, resized(0.5));
+        assert_eq!(notes(&library), noted);
+        library.replace(0, Tool { diameter: tool.diameter, ..resized(0.5) });
+        assert_eq!(notes(&library), [noted[1], noted[2]]);
         let given = Tool { plunge_feed: 200.0, ..tool.with_given_rates() };
         library.replace(0, Tool { insert_width: 0.4 * tool.diameter, ..given });
         assert_eq!(notes(&library), ["another remark"]);

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::programs::{ProgramSource, UnwrittenProgram, plunge_program};
+use super::programs::{ProgramSource, UnwrittenProgram};
 use crate::error::UserError;
 use crate::io::InputError;
 use crate::io::apt::as_written;
@@ -30,7 +30,8 @@ pub struct SheetTask {
 /// The setup sheet of a plan, to be saved at `path`. Its program is verified as it is written.
 ///
 /// # Errors
-/// When the pictures cannot be drawn or the program cannot be verified; when `monitor` is cancelled.
+/// When the pictures cannot be drawn, or the program cannot be verified or has faults that nobody was asked
+/// about; when `monitor` is cancelled.
 pub(super) fn sheet(
     path: &Path,
     task: &SheetTask,
@@ -41,15 +42,15 @@ pub(super) fn sheet(
         ProgramSource::Plunges(source) => source,
         ProgramSource::Flank(source) => {
             let outcome = &source.ordered();
+            let program = &source.accepted_program(monitor)?;
             let pictures = flank_pictures(outcome, &prefix(path)).map_err(fault)?;
-            let program = &source.program(monitor)?;
             let SheetTask { files, remarks, .. } = task;
             return Ok(flank_sheet(&FlankSheetInput { outcome, program, files, remarks }, pictures));
         }
     };
     let outcome = &source.planned.outcome;
     let shown = source.planned.result(source.policy);
-    let written = as_written("the program", &plunge_program(source))?;
+    let written = as_written("the program", &source.accepted_program(monitor)?)?;
     let report = report_plunges(&outcome.workpiece, &outcome.setup, &written, FIELD_CELLS, monitor);
     let report = report.map_err(|error| match error {
         VerifyError::Program(error) => UnwrittenProgram::Failed(fault(error.into())),

@@ -78,7 +78,7 @@ impl PlungeSource {
     ///
     /// # Errors
     /// When `monitor` is cancelled, or nobody was asked about a fault.
-    fn accepted_program(&self, monitor: &Monitor) -> Result<ClProgram, UnwrittenProgram> {
+    pub(super) fn accepted_program(&self, monitor: &Monitor) -> Result<ClProgram, UnwrittenProgram> {
         let faults = if self.is_judged() { self.assembly_faults(monitor)? } else { Vec::new() };
         if faults.is_empty() { Ok(plunge_program(self)) } else { Err(UnwrittenProgram::Faulty(faults)) }
     }
@@ -138,7 +138,7 @@ impl FlankSource {
     ///
     /// # Errors
     /// When `monitor` is cancelled.
-    pub(super) fn program(&self, monitor: &Monitor) -> Result<Arc<FlankProgram>, Cancelled> {
+    fn program(&self, monitor: &Monitor) -> Result<Arc<FlankProgram>, Cancelled> {
         let channels = self.outcome.workpiece.part.channels_within(self.channels);
         // That of one is judged with its plan.
         if channels <= 1 {
@@ -163,7 +163,7 @@ impl FlankSource {
     /// # Errors
     /// When `monitor` is cancelled, or the program of several channels has faults that nobody was asked
     /// about: those of one channel are known before.
-    fn accepted_program(&self, monitor: &Monitor) -> Result<Arc<FlankProgram>, UnwrittenProgram> {
+    pub(super) fn accepted_program(&self, monitor: &Monitor) -> Result<Arc<FlankProgram>, UnwrittenProgram> {
         let program = self.program(monitor)?;
         if program.channels > 1 && !program.faults.is_empty() && self.on_faults == OnFaults::Ask {
             return Err(UnwrittenProgram::Faulty(program.faults.clone()));
@@ -269,7 +269,7 @@ pub fn cl_text(content: &PlungeSource) -> String {
 }
 
 /// The program of a plunge plan, for its channels.
-pub(super) fn plunge_program(content: &PlungeSource) -> ClProgram {
+fn plunge_program(content: &PlungeSource) -> ClProgram {
     let outcome = &content.planned.outcome;
     let channels = outcome.workpiece.part.channels_within(content.channels);
     let result = content.planned.result(content.policy);

@@ -47,7 +47,7 @@ pub(in crate::app) fn project_of(state: &AppState, camera: Option<Camera>) -> Op
             channel: state.look.selected_channel,
             flank: state.look.operation == Operation::Flank,
         },
-        layers: serde_json::to_value(ShownLayers::from_look(&state.look)).ok(),
+        layers: serde_json::to_value(ShownView::from_look(&state.look)).ok(),
         original: None,
         original_hash: None,
         // Nobody has said that the defaults in their place are meant.
@@ -58,27 +58,44 @@ pub(in crate::app) fn project_of(state: &AppState, camera: Option<Camera>) -> Op
 /// What the view shows, as a project keeps it.
 #[derive(Default, Serialize, Deserialize)]
 #[serde(default)]
-struct ShownLayers {
+struct ShownView {
     layers: Layers,
     stock_by: SolidColours,
     passes: bool,
     passes_by: FlankColours,
+    /// Ends of the colour scale, mm, and the upper one of the scale of the walls.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scale: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wall_scale: Option<f64>,
 }
 
-impl ShownLayers {
+impl ShownView {
     fn from_look(look: &Look) -> Self {
-        let Look { layers, solid_colours, flank, .. } = look;
-        Self { layers: *layers, stock_by: *solid_colours, passes: flank.shown, passes_by: flank.colours }
+        // As a single is written: 0.1 is not 0.10000000149.
+        let written = |mm: f32| mm.to_string().parse().unwrap_or_else(|_| f64::from(mm));
+        let Look { layers, solid_colours, flank, range, wall_end, .. } = look;
+        Self {
+            layers: *layers,
+            stock_by: *solid_colours,
+            passes: flank.shown,
+            passes_by: flank.colours,
+            scale: range.map(|(low, high)| [low, high].map(written)),
+            wall_scale: wall_end.map(written),
+        }
     }
 }
 
 /// Shows what a project shows. Keys that this version does not know are skipped; with a value that it does
-/// not know, all layers stay as they are.
-pub(in crate::app) fn show_layers_of(project: &Project, look: &mut Look) {
+/// not know, all layers stay as they are. Scales that a project does not give are fitted to the plan.
+pub(in crate::app) fn show_view_of(project: &Project, look: &mut Look) {
     let shown = project.layers.clone().and_then(|layers| serde_json::from_value(layers).ok());
-    if let Some(ShownLayers { layers, stock_by, passes, passes_by }) = shown {
+    if let Some(ShownView { layers, stock_by, passes, passes_by, scale, wall_scale }) = shown {
         (look.layers, look.solid_colours) = (layers, stock_by);
         (look.flank.shown, look.flank.colours) = (passes, passes_by);
+        let is_scale = |[low, high]: &[f64; 2]| low.is_finite() && high.is_finite() && low < high;
+        look.range = scale.filter(is_scale).map(|[low, high]| (low as f32, high as f32));
+        look.wall_end = wall_scale.filter(|end| end.is_finite() && *end > 0.0).map(|end| end as f32);
     }
 }
 

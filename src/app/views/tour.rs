@@ -6,6 +6,7 @@ use egui::{
 };
 
 use super::theme;
+use crate::app::model::panels::DockPanel;
 
 /// A part of the window that a card is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,10 +15,10 @@ pub enum WindowRegion {
     Setup,
     /// The line with the verdict.
     Verdict,
-    /// The picture, with plots and timeline.
+    /// The 3D view, with plots and timeline.
     Picture,
-    /// The table of positions.
-    Positions,
+    /// The table, with positions.
+    Table,
     /// The menus.
     Menus,
 }
@@ -29,7 +30,7 @@ type Card = (WindowRegion, &'static str, &'static str);
 const CARDS: [Card; 5] = [
     (
         WindowRegion::Setup,
-        "Setup",
+        DockPanel::Setup.title(),
         "Part, operations, and what they are planned with. Every edit is planned as it is made; a dot beside a \
          value says that it differs from the default, and a click on it resets it.",
     ),
@@ -41,14 +42,14 @@ const CARDS: [Card; 5] = [
     ),
     (
         WindowRegion::Picture,
-        "Picture",
+        DockPanel::Picture.title(),
         "Red-orange cutters meet stock with their core, green ones do not. B switches before and after, S shows the \
          stock as a solid, Space plays the timeline below.",
     ),
     (
-        WindowRegion::Positions,
-        "Positions",
-        "The plunges in cutting order. A click selects one, here or in the picture; N goes to the next fault. The \
+        WindowRegion::Table,
+        DockPanel::Table.title(),
+        "The plunges in cutting order. A click selects one, here or in the 3D view; N goes to the next fault. The \
          sectional view below the table shows what its core meets.",
     ),
     (

@@ -9,8 +9,8 @@ use super::json::{elements, json_text, tool_tree};
 use super::left_out::LeftOutTools;
 use super::length::{angle_deg, length_mm};
 use super::library::{
-    LibraryTool, OVERHANG_DIAMETERS, ToolLibrary, check_tool, note_missing_rates, number_tools, rated,
-    round_lengths, short_name, too_many,
+    AssumedInsert, LibraryTool, OVERHANG_DIAMETERS, ToolLibrary, check_tool, note_missing_rates,
+    number_tools, rated, round_lengths, short_name, too_many,
 };
 use crate::error::ErrorCode;
 use crate::io::InputError;
@@ -109,12 +109,10 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
     if taper.is_some() || shape.starts_with("tapered") {
         notes.push("tapered: plans leave it out, they know cylindrical cutters only".to_owned());
     }
-    let face = shape.starts_with("face");
-    let insert_width = if face { 0.45 * diameter } else { 0.5 * diameter };
-    notes.push(match face {
-        true => "insert width assumed: 0.45 of the diameter".to_owned(),
-        false => "insert width assumed: the cutter cuts to its centre".to_owned(),
-    });
+    let is_face_mill = shape.starts_with("face");
+    let insert = if is_face_mill { AssumedInsert::WithCore } else { AssumedInsert::ToCentre };
+    let insert_width = insert.width(radius);
+    notes.push(insert.note().to_owned());
     notes.push("the holder is unknown".to_owned());
     let attributes = tree.get("attribute");
     // Older tool bits have it among the attributes.

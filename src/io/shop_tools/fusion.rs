@@ -14,8 +14,8 @@ use super::fusion_units::{holder_unit_mm, unit_mm};
 use super::json::{elements, json_text, tool_tree};
 use super::left_out::LeftOutTools;
 use super::library::{
-    LibraryTool, OVERHANG_DIAMETERS, ToolLibrary, check_tool, note_missing_rates, number_tools, rated,
-    round_lengths, short_name, too_many,
+    AssumedInsert, LibraryTool, OVERHANG_DIAMETERS, ToolLibrary, check_tool, note_missing_rates,
+    number_tools, rated, round_lengths, short_name, too_many,
 };
 use crate::error::ErrorCode;
 use crate::io::InputError;
@@ -29,15 +29,15 @@ use crate::setup::{MissingRates, Tool, ToolAssembly};
 /// Largest number of entries of all kinds.
 const MAX_ENTRIES: usize = 4 * MAX_TOOLS;
 
-/// Mills by their type, with the insert width in radii that is assumed: cutters with inserts have a core,
-/// solid ones cut to the centre.
-const MILLS: [(&str, f64); 6] = [
-    ("flat end mill", 1.0),
-    ("ball end mill", 1.0),
-    ("bull nose end mill", 0.9),
-    ("face mill", 0.9),
-    ("tapered mill", 1.0),
-    ("lollipop mill", 1.0),
+/// Mills by their type, with the insert width that is assumed: cutters with inserts have a core, solid ones
+/// cut to the centre.
+const MILLS: [(&str, AssumedInsert); 6] = [
+    ("flat end mill", AssumedInsert::ToCentre),
+    ("ball end mill", AssumedInsert::ToCentre),
+    ("bull nose end mill", AssumedInsert::WithCore),
+    ("face mill", AssumedInsert::WithCore),
+    ("tapered mill", AssumedInsert::ToCentre),
+    ("lollipop mill", AssumedInsert::ToCentre),
 ];
 /// Mills that end in a ball, whatever their corner radius says.
 const BALLS: [&str; 2] = ["ball end mill", "lollipop mill"];
@@ -123,18 +123,25 @@ fn entry((index, text): (usize, &&str)) -> FusionEntry {
         Err(why) => return FusionEntry::Other(format!("entry {number}"), why, true),
     };
     let kind = string(&tree, "type").unwrap_or_default();
-    let title = string(&tree, "description").unwrap_or_default();
-    let shown = format!("tool {number} ({})", quote_for_message(title));
-    let Some((_, width)) = MILLS.iter().find(|(mill, _)| *mill == kind) else {
+    let shown = shown(&tree, number);
+    let Some((_, insert)) = MILLS.iter().find(|(mill, _)| *mill == kind) else {
         if kind == "holder" {
             return FusionEntry::Holder;
         }
         return FusionEntry::Other(shown, format!("{} is not a mill", quote_for_message(kind)), false);
     };
-    match mill(&tree, kind, *width).and_then(|tool| check_tool(&tool).map(|()| tool)) {
+    match mill(&tree, kind, *insert).and_then(|tool| check_tool(&tool).map(|()| tool)) {
         Ok(tool) => FusionEntry::Mill(Box::new(tool)),
         Err(why) => FusionEntry::Other(shown, why, true),
     }
+}
+
+/// An entry in messages: by number and name of its tool, without a number by its `place` in the list.
+fn shown(entry: &Value, place: usize) -> String {
+    let number = entry.pointer("/post-process/number").and_then(Value::as_u64).filter(|number| *number > 0);
+    let what = number.map_or_else(|| format!("entry {place}"), |number| format!("tool {number}"));
+    let name = string(entry, "description").map(str::trim).filter(|name| !name.is_empty());
+    name.map_or(what.clone(), |name| format!("{what} ({})", quote_for_message(name)))
 }
 
 fn string<'v>(value: &'v Value, key: &str) -> Option<&'v str> {
@@ -178,8 +185,8 @@ fn expressions_of<'v>(entry: &'v Value, geometry: &'v Value, mm: f64) -> Express
     Expressions::new(entry.get("expressions"), mm).with_numbers(lengths.chain(gauge()), teeth)
 }
 
-/// Converts one mill of this `kind`, whose insert width is assumed to be `width` radii.
-fn mill(entry: &Value, kind: &str, width: f64) -> Result<LibraryTool, String> {
+/// Converts one mill of this `kind`, whose insert width is assumed.
+fn mill(entry: &Value, kind: &str, insert: AssumedInsert) -> Result<LibraryTool, String> {
     let mut notes = Vec::new();
     let mm = unit_mm(entry, "it")?;
     let geometry = entry.get("geometry").filter(|g| g.is_object()).ok_or("it has no `geometry`")?;
@@ -228,12 +235,10 @@ fn mill(entry: &Value, kind: &str, width: f64) -> Result<LibraryTool, String> {
         notes.push(format!("the flutes, {long} mm, are longer than the overhang {overhang} mm: cut to it"));
         flute = Some(overhang);
     }
-    let centre_cutting = width >= 1.0 || geometry.get("CSP").and_then(Value::as_bool) == Some(true);
-    let insert_width = if centre_cutting { radius } else { width * radius };
-    notes.push(match centre_cutting {
-        true => "insert width assumed: the cutter cuts to its centre".to_owned(),
-        false => "insert width assumed: 0.45 of the diameter".to_owned(),
-    });
+    let is_centre_cutting = geometry.get("CSP").and_then(Value::as_bool) == Some(true);
+    let insert = if is_centre_cutting { AssumedInsert::ToCentre } else { insert };
+    let insert_width = insert.width(radius);
+    notes.push(insert.note().to_owned());
     let segments = entry.get("shaft").and_then(|shaft| shaft.get("segments"));
     let rows = segments.map(|rows| read_segments(rows, mm)).transpose()?.unwrap_or_default();
     // The neck reaches from the flutes to the shoulder; above it are the segments of the shaft, or its

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::fusion::mills_of_entries;
 use super::fusion_units::unit_mm;
 use super::fusion_write::{entry_of, write_fusion};
-use super::json::{elements, json_text, tool_tree};
+use super::json::{elements, json_text, tool_tree, with_values};
 use super::{LibraryTool, ToolLibrary};
 use crate::error::ErrorCode;
 use crate::io::InputError;
@@ -33,8 +33,8 @@ pub struct MergedLibrary {
 /// Writes the tools of `library` into the Fusion library `existing`, whose name in messages is `name`.
 ///
 /// The entry of a tool is the mill with its number and name, or the only one with its number and diameter. In
-/// it the values that differ are replaced, in its own unit. A tool without an entry is added at the end. No
-/// entry is removed.
+/// it the values that differ are replaced, in its own unit; the rest of it stays as it is written. A tool
+/// without an entry is added at the end. No entry is removed.
 ///
 /// # Errors
 /// When `existing` is not a Fusion library.
@@ -63,7 +63,7 @@ pub fn merge_fusion(name: &str, existing: &[u8], library: &ToolLibrary) -> Resul
         let before = tree.clone();
         change_entry(&mut tree, known, tool).map_err(&fault)?;
         if tree != before {
-            replaced[index] = Some(serde_json::to_string_pretty(&tree).unwrap_or_default());
+            replaced[index] = Some(with_values(entries[index], &tree));
         }
     }
     let changed = replaced.iter().flatten().count();

@@ -106,17 +106,52 @@ pub(super) fn rated(mut entry: LibraryTool) -> LibraryTool {
     entry
 }
 
+/// The insert width of a mill whose library has none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum AssumedInsert {
+    /// Its edges reach to the centre.
+    ToCentre,
+    /// They leave a core, as inserts do.
+    WithCore,
+}
+
+impl AssumedInsert {
+    const ALL: [Self; 2] = [Self::ToCentre, Self::WithCore];
+
+    /// The width for a cutter of this `radius`, mm.
+    pub(super) fn width(self, radius: f64) -> f64 {
+        match self {
+            Self::ToCentre => radius,
+            Self::WithCore => 0.9 * radius,
+        }
+    }
+
+    /// What is noted of it.
+    pub(super) fn note(self) -> &'static str {
+        match self {
+            Self::ToCentre => "insert width assumed: the cutter cuts to its centre",
+            Self::WithCore => "insert width assumed: 0.45 of the diameter",
+        }
+    }
+
+    /// Whether it is the width of `tool`.
+    fn is_of(self, tool: &Tool) -> bool {
+        (tool.insert_width - self.width(tool.radius())).abs() <= 1e-6
+    }
+}
+
 /// What is noted of a rate that a library does not give.
 const MISSING_RATE: &str = "in the library: by `material` of the setup; without one 300 mm/min, 1200 rev/min";
 
 impl LibraryTool {
     /// Replaces the tool of this entry by `tool`. A value that changes was entered by the user: the note that
-    /// it is missing or assumed is removed.
+    /// it is missing or assumed is removed. That of the insert width stays as long as it says how wide it is:
+    /// another diameter changes what is said, and an insert that is cut to a smaller one was not entered.
     pub fn replace(&mut self, tool: Tool) {
         let before = &self.tool;
         let mut given = vec![MISSING_RATE];
+        given.extend(AssumedInsert::ALL.iter().filter(|insert| !insert.is_of(&tool)).map(|i| i.note()));
         let sizes = [
-            ("insert width assumed", before.insert_width, tool.insert_width),
             ("overhang assumed", before.overhang, tool.overhang),
             ("corner radius assumed", before.corner_radius, tool.corner_radius),
         ];

@@ -11,7 +11,7 @@ use crate::flank::choice::overhang_note;
 use crate::job::flank::FlankOutcome;
 use crate::job::flank_channels::FlankProgram;
 use crate::report::html::escaped;
-use crate::report::words::{channels_text, tool_loads_text};
+use crate::report::words::{channels_text, left_out_text, tool_loads_text};
 use crate::report::{PagePicture, ReportPage};
 use crate::setup::{FlankFeedRates, FlankStrategy, Tool};
 use crate::toolpath::{TOOL_CHANGE_S, Travel};
@@ -92,7 +92,8 @@ fn warnings(input: &FlankSheetInput) -> String {
     if let Some(longest) = plan.uncut.iter().max_by(|a, b| a.length.total_cmp(&b.length)) {
         let UncutLength { layer, why, .. } = longest;
         found.push(format!(
-            "{left_out:.0} mm of passes are left out; the longest stretch, on layer {}: {}.",
+            "{} of passes are left out; the longest stretch, on layer {}: {}.",
+            left_out_text(left_out, |mm| format!("{mm:.1} mm")),
             layer + 1,
             why.message
         ));
@@ -265,12 +266,12 @@ fn layers_text(outcome: &FlankOutcome, channels: usize) -> String {
     }
     for (number, layer) in plan.layout.layers.iter().enumerate().rev() {
         let length: f64 = layer.figures[plan.layout.strategy as usize].length;
-        let left_out = plan.uncut.iter().filter(|u| u.layer == number);
-        // The sum of nothing is -0.
-        let left_out = 0.0 + left_out.map(|u| u.length).sum::<f64>();
+        let left_out = plan.uncut.iter().filter(|u| u.layer == number).map(|u| u.length).reduce(|a, b| a + b);
+        let left_out =
+            left_out.map_or_else(|| "0".to_owned(), |length| left_out_text(length, |mm| format!("{mm:.1}")));
         let _ = write!(
             rows,
-            "<tr><td>{}</td><td>{}</td><td>{:.2}</td><td>{length:.0}</td><td>{left_out:.0}</td><td>{}</td></tr>",
+            "<tr><td>{}</td><td>{}</td><td>{:.2}</td><td>{length:.0}</td><td>{left_out}</td><td>{}</td></tr>",
             number + 1,
             layer.pass_curves.len(),
             layer.stepover,

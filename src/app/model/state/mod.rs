@@ -10,7 +10,7 @@ mod timeline;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::drawing::flank::FlankColours;
+use crate::drawing::flank::{FlankColours, wall_scale_end};
 use crate::job::flank::FlankOutcome;
 use crate::plunge::Position;
 use crate::report::words::missed_goal;
@@ -98,9 +98,6 @@ pub struct AppState {
     /// Part that is being opened.
     pub opening: Option<PartSource>,
 }
-
-/// Least range of the scale of the walls, mm: smaller deviations do not matter, and look so.
-const MIN_DEVIATION: f32 = 0.02;
 
 /// Maximum number of problems kept.
 const MAX_PROBLEMS: usize = 5;
@@ -237,7 +234,7 @@ impl AppState {
     /// The same that fits the flank plan: its largest over- or undercut of the walls.
     pub fn fitting_deviation(&self) -> Option<f32> {
         let (outcome, _) = self.shown_flank().filter(|(_, colours)| *colours == FlankColours::Walls)?;
-        Some((outcome.max_overcut().max(outcome.max_undercut()) as f32).max(MIN_DEVIATION))
+        Some(wall_scale_end(outcome.max_overcut().max(outcome.max_undercut()) as f32))
     }
 
     /// Flank plan and colouring that the views show; `None` while it is hidden.

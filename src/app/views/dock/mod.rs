@@ -153,6 +153,8 @@ impl App {
         if !is_narrow && !is_low {
             return self.panels_in(ui);
         }
+        // Beside the bars nothing else would be drawn.
+        ui.painter().rect_filled(ui.available_rect_before_wrap(), 0.0, ui.visuals().panel_fill);
         let inner = std::mem::replace(&mut ui.spacing_mut().scroll, solid);
         // Bars alone scroll it: the wheel zooms the 3D view and scrolls tables.
         let area = ScrollArea::new([is_narrow, is_low]).scroll_source(ScrollSource::SCROLL_BAR);

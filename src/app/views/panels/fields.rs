@@ -3,7 +3,7 @@
 //! resets it.
 
 use std::borrow::Cow;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::path::Path;
 
 use egui::{Color32, ComboBox, DragValue, Grid, Response, Sense, Slider, Ui, Vec2};
@@ -108,21 +108,33 @@ fn show(value: f64, spec: &FieldSpec, units: DisplayUnits) -> String {
     }
 }
 
-/// A number box without label. `automatic`: the text that stands for 0; an empty input means 0, too. What is
-/// typed and not taken is returned with the reason.
+/// What stands for an optional value that is absent.
+#[derive(Clone, Copy)]
+pub struct Automatic<'a> {
+    /// Its text.
+    pub words: &'a str,
+    /// The number that is then taken, if one is known: dragging the field and its slider begin there.
+    pub now: Option<f64>,
+}
+
+/// A number box without label. `automatic`: what stands for 0; an empty input means 0, too. What is typed and
+/// not taken is returned with the reason.
 pub fn number_box(
     ui: &mut Ui,
     value: &mut f64,
     spec: &FieldSpec,
-    automatic: Option<&str>,
+    automatic: Option<Automatic>,
 ) -> (Response, Typed) {
     let least = if automatic.is_some() { 0.0 } else { spec.min };
     let (quantity, units) = (spec.quantity(), units::display_units(ui));
-    let write = |value: f64| match automatic {
-        Some(words) if value <= 0.0 => words.to_owned(),
-        _ => show(value, spec, units),
+    let held = Cell::new(*value);
+    let stand_in = automatic.and_then(|automatic| automatic.now);
+    let number = || stand_in.filter(|_| held.get() <= 0.0).unwrap_or(held.get());
+    let write = |number: f64| match automatic {
+        Some(automatic) if held.get() <= 0.0 => automatic.words.to_owned(),
+        _ => show(number, spec, units),
     };
-    let shown = write(*value);
+    let shown = write(number());
     let show_limit = |limit: f64| show(limit, spec, units);
     let limits = TypedLimits {
         quantity,
@@ -133,14 +145,20 @@ pub fn number_box(
         show: &show_limit,
     };
     let typed = RefCell::default();
-    let mut field = DragValue::new(value)
+    let take = |edited: Option<f64>| {
+        edited.into_iter().for_each(|edited| held.set(edited));
+        number()
+    };
+    let mut field = DragValue::from_get_set(take)
         .speed(spec.speed)
         .range(least..=spec.max)
         // An out-of-range value from a file is kept until it is edited.
         .clamp_existing_to_range(false)
-        .custom_formatter(|value, _| write(value))
+        .custom_formatter(|number, _| write(number))
         .custom_parser(|text| match automatic {
-            Some(words) if ["", words, spec.absent].contains(&text.trim()) || is_zero(text) => {
+            Some(Automatic { words, .. })
+                if ["", words, spec.absent].contains(&text.trim()) || is_zero(text) =>
+            {
                 typed.replace(Typed::Taken);
                 Some(0.0)
             }
@@ -151,6 +169,7 @@ pub fn number_box(
         field = field.speed(1.0);
     }
     let response = ui.add_sized(Vec2::new(theme::FIELD_WIDTH, 20.0), field);
+    *value = held.get();
     let typed = typed.into_inner();
     if spec.tip.is_empty() {
         return (response, typed);
@@ -176,24 +195,19 @@ pub fn plain_row(ui: &mut Ui, value: &mut f64, spec: &FieldSpec) -> bool {
 }
 
 /// Like [`number_row`], for an optional value: 0 means that it is absent, in most cases automatic. `now`: the
-/// automatic value, which the slider then shows.
+/// automatic value, at which the slider stands then, and dragging begins.
 pub fn optional_row(ui: &mut Ui, value: &mut Option<f64>, spec: &FieldSpec, now: Option<f64>) -> bool {
-    row_or_automatic(ui, value, spec, (spec.absent, now))
+    row_or_automatic(ui, value, spec, Automatic { words: spec.absent, now })
 }
 
 /// Like [`optional_row`], where the automatic value follows from others: it is shown as such.
 pub fn derived_row(ui: &mut Ui, value: &mut Option<f64>, automatic: f64, spec: &FieldSpec) -> bool {
     let words = format!("{} {}", spec.absent, show(automatic, spec, units::display_units(ui)));
-    row_or_automatic(ui, value, spec, (&words, None))
+    row_or_automatic(ui, value, spec, Automatic { words: &words, now: Some(automatic) })
 }
 
-/// Row of an optional value, with the words that stand for an absent one, and what the slider shows then.
-fn row_or_automatic(
-    ui: &mut Ui,
-    value: &mut Option<f64>,
-    spec: &FieldSpec,
-    absent: (&str, Option<f64>),
-) -> bool {
+/// Row of an optional value, with what stands for an absent one.
+fn row_or_automatic(ui: &mut Ui, value: &mut Option<f64>, spec: &FieldSpec, absent: Automatic) -> bool {
     let mut number = value.unwrap_or(0.0);
     let changed = labelled(ui, &mut number, Some(0.0), spec, Some(absent));
     if changed {
@@ -361,13 +375,13 @@ fn name_row(
     ui.end_row();
 }
 
-/// A form row; `true` when the value changed. `automatic`: the text for 0, and the automatic value.
+/// A form row; `true` when the value changed. `automatic`: what stands for 0.
 fn labelled(
     ui: &mut Ui,
     value: &mut f64,
     default: Option<f64>,
     spec: &FieldSpec,
-    automatic: Option<(&str, Option<f64>)>,
+    automatic: Option<Automatic>,
 ) -> bool {
     let (before, form) = (*value, ui.scope_id());
     let label = ui.label(spec.label).on_hover_text(spec.tip);
@@ -375,7 +389,7 @@ fn labelled(
         ui.spacing_mut().item_spacing.y = 1.0;
         let mut at = egui::Rect::NOTHING;
         ui.horizontal(|ui| {
-            let (field, typed) = number_box(ui, value, spec, automatic.map(|(word, _)| word));
+            let (field, typed) = number_box(ui, value, spec, automatic);
             typed::keep(ui, form, spec.label, *value, typed);
             at = field.labelled_by(label.id).rect;
             match default.filter(|default| default != value) {
@@ -385,7 +399,7 @@ fn labelled(
             }
         });
         if let Some((low, high)) = spec.slide {
-            let stand_in = automatic.and_then(|(_, now)| now).filter(|_| *value <= 0.0);
+            let stand_in = automatic.and_then(|automatic| automatic.now).filter(|_| *value <= 0.0);
             ui.spacing_mut().slider_width = theme::FIELD_WIDTH;
             let start = stand_in.unwrap_or(*value);
             let (response, moved) = slider(ui, start, low..=high, step_of(spec));

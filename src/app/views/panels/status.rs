@@ -5,7 +5,7 @@ use egui::{Button, Label, ProgressBar, RichText, Ui};
 use crate::app::model::look::Operation;
 use crate::app::model::state::{AppState, Tone};
 use crate::app::views::command::Command;
-use crate::app::views::theme::Condition;
+use crate::app::views::theme::{self, Condition};
 
 /// Input of the status bar besides the state.
 #[derive(Clone, Debug, Default)]
@@ -27,8 +27,7 @@ const BAR: f32 = 130.0;
 pub fn show(ui: &mut Ui, state: &AppState, activity: &Activity) -> bool {
     let mut cancel = false;
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        let button = ui.add_enabled(activity.can_cancel, Button::new(Command::Cancel.label()));
-        cancel = button.on_hover_text(Command::Cancel.tip_with_keys(ui.ctx())).clicked();
+        cancel = cancel_button(ui, activity.can_cancel, state.document.part.is_some());
         match activity.running {
             Some((what, fraction)) => {
                 // What still runs is not done, whatever rounding says.
@@ -51,6 +50,20 @@ pub fn show(ui: &mut Ui, state: &AppState, activity: &Activity) -> bool {
         ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| message(ui, state, activity));
     });
     cancel
+}
+
+/// Draws Cancel; `true` when it was pressed. While nothing is open, nothing can be calculated: its space is
+/// kept, so that nothing moves when a part is opened.
+fn cancel_button(ui: &mut Ui, can_cancel: bool, is_open: bool) -> bool {
+    let label = Command::Cancel.label();
+    if !can_cancel && !is_open {
+        let spacing = ui.spacing();
+        let (padding, height) = (spacing.button_padding, spacing.interact_size.y);
+        ui.allocate_space(egui::vec2(theme::width_of_text(ui, label) + 2.0 * padding.x, height));
+        return false;
+    }
+    let button = ui.add_enabled(can_cancel, Button::new(label));
+    button.on_hover_text(Command::Cancel.tip_with_keys(ui.ctx())).clicked()
 }
 
 fn flank_message(state: &AppState) -> RichText {

@@ -75,8 +75,8 @@ fn content(
     }
     tools(ui, setup, chosen);
     sections(ui, setup);
-    if let Some((planned, policy)) = planned.filter(|(planned, _)| planned.outcome.setup.tools == setup.tools)
-    {
+    let is_of_them = |planned: &DisplayPlan| Tool::cut_alike(&planned.outcome.setup.tools, &setup.tools);
+    if let Some((planned, policy)) = planned.filter(|(planned, _)| is_of_them(planned)) {
         uses(ui, planned, policy);
     }
     if ui.button("Reset to automatic").on_hover_text("Removes these tools and sections").clicked() {
