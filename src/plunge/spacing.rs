@@ -3,8 +3,8 @@
 use crate::setup::cutting_data::step_by_stick_out;
 use crate::setup::{PlungeSetup, Tool};
 
-/// Default step along a row, in insert widths: with a reserve to the whole width, which is the most that a step
-/// may be.
+/// Default step along a row, in insert widths: with a reserve to the whole width, which is the most that a
+/// step may be.
 const STEP_INSERT_WIDTHS: f64 = 0.8;
 /// Default stepover between rows, in cutter radii.
 const STEPOVER_RADII: f64 = 4.0 / 3.0;

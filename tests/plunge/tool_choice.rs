@@ -85,8 +85,8 @@ fn every_chosen_tool_fits_the_samples() {
     }
 }
 
-/// At the narrowest place of the channel a cutter of the whole free width cannot tilt, and one of less than half
-/// of it needs a third row where a larger one needs two.
+/// At the narrowest place of the channel a cutter of the whole free width cannot tilt, and one of less than
+/// half of it needs a third row where a larger one needs two.
 #[test]
 fn fewer_blades_get_larger_cutters() {
     let text = std::fs::read_to_string(sample_path("impeller532")).expect("readable");
