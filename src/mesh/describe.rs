@@ -8,7 +8,7 @@ use super::nodes::width_of_wheel_in;
 use super::normals::ExactNormals;
 use super::nose::{joined_to, outline_ahead};
 use super::options::{LengthUnit, MeshOptions, size_fault};
-use super::part_notes::{ring_note, sense_from_wrap};
+use super::part_notes::{ring_note, sense_from_wrap, sides_note};
 use super::profile::FittedProfile;
 use super::roles::{NamedMesh, Role, given_roles, listed, roles_from_names};
 use super::round::radii;
@@ -20,7 +20,7 @@ use super::shroud_ends::{extend_ahead, gone_on};
 use super::sides::{SideCurve, SpanSection};
 use super::span_sections::span_sections;
 use super::surface::MeshSurface;
-use super::tip_border::{covered_share, fit_tip_border, tip_extent};
+use super::tip_border::{covered_share, fit_tip_border, past_share, tip_extent};
 use super::tip_faces::fit_tip_faces;
 use super::tips::fit_tip_curve;
 use super::walls::{Blades, Walls, check_deviation, fit_walls};
@@ -39,6 +39,8 @@ const TOLERANCE: (f64, f64) = (0.05, 1e-4);
 const TIP_TOLERANCE: f64 = 2e-3;
 /// Share of the tips along the channel that the curve through their edges has to go along.
 const MOST_OF_TIPS: f64 = 0.8;
+/// How far that curve may go on past the tips, as a share of them.
+const PAST_TIPS: f64 = 0.015;
 
 /// What a file says of its meshes.
 #[derive(Clone, Debug)]
@@ -278,11 +280,15 @@ fn describe_roles(
                 Some((fit_tip_curve(std::slice::from_ref(&main), &hub, &course)?, false))
             };
             let by_border = || Some((fit_tip_border(&main, &hub_curve.points, &course)?, true));
-            // Edges of tips that are not turned make a curve along part of them only.
+            // Edges of tips that are not turned make a curve along part of them only, and those of leading
+            // edges may lead it on past them.
             let along_tips = || {
                 let extent = tip_extent(&main, &hub_curve.points, &course);
                 by_edges().filter(|(tips, _)| {
-                    extent.is_none_or(|extent| covered_share(&tips.points, extent, &course) > MOST_OF_TIPS)
+                    extent.is_none_or(|extent| {
+                        let is_within = past_share(&tips.points, extent, &course) < PAST_TIPS;
+                        is_within && covered_share(&tips.points, extent, &course) > MOST_OF_TIPS
+                    })
                 })
             };
             let by_faces = || {
@@ -313,6 +319,7 @@ fn describe_roles(
         }
     };
     let band = ChannelCoordinates::new(&through(&hub_curve), &through(&shroud_curve), &corners, past_tips);
+    let main_corners = main.points.clone();
     let main = span_sections(&main, &band, "main blade", (&normals, whole), &mut notes)?;
     let splitters = splitters
         .iter()
@@ -328,7 +335,7 @@ fn describe_roles(
     let ahead = outline_ahead(body, &hub_of_body, course.inlet_up(), tolerance);
     let hub_points = if ahead.is_empty() { hub_of_body } else { joined_to(&ahead, &hub_of_body) };
     let leading_first = rotation.sign_about_z(course.inlet_up()) < 0.0;
-    Ok(PartDescription {
+    let mut found = PartDescription {
         name: name.to_owned(),
         hub: CurveDescription::Points(hub_points),
         shroud: CurveDescription::Points(shroud_curve.points),
@@ -340,7 +347,9 @@ fn describe_roles(
         hub_line: 0,
         shroud_line: 0,
         count_line: 0,
-    })
+    };
+    found.notes.extend(sides_note(&found, &main_corners));
+    Ok(found)
 }
 
 /// Meshes by role.

@@ -3,6 +3,7 @@
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+use std::ops::RangeInclusive;
 
 use super::surface::{MeshSurface, SHARP};
 use crate::geometry::{Point, Vector};
@@ -156,8 +157,14 @@ pub fn fill_holes(surface: MeshSurface) -> MeshSurface {
     if filling.is_empty() { surface } else { surface.with_triangles(filling) }
 }
 
-/// The largest remaining hole of a blade; `places` gives (along, height) of its corners.
-pub fn largest_hole(surface: &MeshSurface, places: &[(f64, f64)]) -> Option<Hole> {
+/// The largest remaining hole of a blade that reaches into the `heights` at which it is sliced; `places`
+/// gives (along, height) of its corners. Where a coarse foot dips into the hub here and there, cutting it off
+/// leaves small borders, all of them at the hub.
+pub fn largest_hole(
+    surface: &MeshSurface,
+    places: &[(f64, f64)],
+    heights: RangeInclusive<f64>,
+) -> Option<Hole> {
     let spans = |corners: &mut dyn Iterator<Item = usize>| {
         let start = [(f64::INFINITY, f64::NEG_INFINITY); 2];
         let spans = corners.fold(start, |[s, h], i| {
@@ -169,7 +176,8 @@ pub fn largest_hole(surface: &MeshSurface, places: &[(f64, f64)]) -> Option<Hole
     let whole = spans(&mut (0..places.len()));
     let holes = loops(surface).into_iter().filter(|corners| {
         let own = spans(&mut corners.iter().map(|i| *i as usize));
-        own[0] < HOLE * whole[0] && own[1] < HOLE * whole[1]
+        let is_sliced = corners.iter().any(|i| heights.contains(&places[*i as usize].1));
+        is_sliced && own[0] < HOLE * whole[0] && own[1] < HOLE * whole[1]
     });
     let measured = holes.map(|corners| {
         let sum: Vector = corners.iter().map(|i| surface.points[*i as usize].coords).sum();

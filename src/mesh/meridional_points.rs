@@ -62,7 +62,7 @@ fn points_over_gaps(
 }
 
 /// The corners of `triangles`.
-fn corners_of(surface: &MeshSurface, triangles: &[usize]) -> Vec<Meridional> {
+pub fn corners_of(surface: &MeshSurface, triangles: &[usize]) -> Vec<Meridional> {
     let mut used = vec![false; surface.points.len()];
     for &t in triangles {
         surface.triangles[t].iter().for_each(|i| used[*i as usize] = true);

@@ -16,7 +16,7 @@ use crate::part::PartError;
 /// Smallest share of the area of hub or shroud, without fillets, that has to be on its curve.
 pub const MOSTLY: f64 = 0.5;
 /// Smallest number of votes of a piece of the flow side, as a share of the largest number.
-pub const VOTES: f64 = 0.2;
+const VOTES: f64 = 0.2;
 /// Smallest area of a piece of the flow side, as a share of that of the largest.
 const PIECE: f64 = 0.005;
 /// Distance of places on long edges of a hub or shroud, as a share of its largest radius, and their largest
@@ -47,6 +47,24 @@ pub struct FlowSide {
     pub points: Vec<Meridional>,
     /// Indices of its triangles.
     pub triangles: Vec<usize>,
+}
+
+/// Which pieces of a surface are its flow side.
+#[derive(Clone, Copy)]
+pub struct PieceRule {
+    /// Smallest number of votes of a piece, as a share of the largest number.
+    pub share: f64,
+    /// Smallest cosine of the angle between neighbouring triangles of a piece.
+    pub min_cosine: f64,
+    /// Whether it is only that of these pieces which goes along the blades furthest.
+    pub is_alone: bool,
+}
+
+impl PieceRule {
+    /// All smooth pieces beside the blades.
+    pub const SEVERAL: Self = Self { share: VOTES, min_cosine: SHARP, is_alone: false };
+    /// The smooth piece beside the blades.
+    pub const ONE: Self = Self { share: 1.0, min_cosine: SHARP, is_alone: false };
 }
 
 /// A meridional curve and its largest deviation from the corners it was fitted to.
@@ -301,7 +319,7 @@ pub fn towards(surface: &MeshSurface, t: usize, p: Meridional) -> f64 {
 }
 
 /// The flow side of a hub or shroud: the smooth pieces nearest to the blades, found by votes of blade
-/// corners: those with at least a `share` of the votes of the one that has most.
+/// corners that the `rule` takes.
 ///
 /// # Errors
 /// Fails when no surface of revolution is beside the blades.
@@ -309,7 +327,7 @@ pub fn find_flow_side(
     surface: &MeshSurface,
     course: &Course,
     blades: &[Meridional],
-    (exact, share): (&ExactNormals, f64),
+    (exact, rule): (&ExactNormals, PieceRule),
     name: &str,
 ) -> Result<FlowSide, PartError> {
     // Fillets and other triangles that are not of revolution are ignored.
@@ -317,7 +335,7 @@ pub fn find_flow_side(
         .map(|t| meridional_normal(surface, t).1.abs() < MIN_CIRCUMFERENTIAL)
         .collect();
     let smooth = |a: usize, b: usize| {
-        turned[a] && turned[b] && surface.normals[a].dot(&surface.normals[b]).abs() > SHARP
+        turned[a] && turned[b] && surface.normals[a].dot(&surface.normals[b]).abs() > rule.min_cosine
     };
     let (group, count) = surface.groups(smooth);
     let corners: Vec<Meridional> = surface.points.iter().map(Meridional::from_point).collect();
@@ -375,8 +393,19 @@ pub fn find_flow_side(
     }
     let most = votes.iter().copied().max().unwrap_or(0);
     let largest = (0..count).filter(|g| votes[*g] > 0).map(|g| areas[g]).fold(0.0, f64::max);
-    let is_chosen = |g: usize| votes[g] as f64 >= share * most.max(1) as f64 && areas[g] >= PIECE * largest;
-    let chosen: Vec<bool> = (0..count).map(is_chosen).collect();
+    let is_chosen =
+        |g: usize| votes[g] as f64 >= rule.share * most.max(1) as f64 && areas[g] >= PIECE * largest;
+    let mut chosen: Vec<bool> = (0..count).map(is_chosen).collect();
+    if rule.is_alone {
+        let (from, to) = course.extent_of(blades);
+        let along = |g: usize| {
+            let own = groups_of.iter().filter(|(_, of, _)| *of as usize == g);
+            let (first, last) = course.extent_of(own.map(|(place, ..)| &places[*place as usize]));
+            last.min(to) - first.max(from)
+        };
+        let longest = (0..count).filter(|g| chosen[*g]).max_by(|a, b| along(*a).total_cmp(&along(*b)));
+        chosen.iter_mut().enumerate().for_each(|(g, is_chosen)| *is_chosen = Some(g) == longest);
+    }
     let is_beside = |t: usize| group[t] != NONE && chosen[group[t] as usize] && turned[t];
     let triangles: Vec<usize> =
         (0..group.len()).filter(|&t| is_beside(t) && follows(course, surface, t)).collect();

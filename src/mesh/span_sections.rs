@@ -86,7 +86,8 @@ fn sections_in(
     notes: &mut Vec<String>,
 ) -> Result<(Vec<SpanSection>, Option<EdgeJump>), PartError> {
     let cutter = BladeSlicer::new(surface, band, normals);
-    if let Some(hole) = largest_hole(surface, cutter.places()).filter(|hole| hole.size > MIN_HOLE) {
+    let hole = largest_hole(surface, cutter.places(), INSET..=1.0 - INSET);
+    if let Some(hole) = hole.filter(|hole| hole.size > MIN_HOLE) {
         let at = Meridional::from_point(&hole.middle);
         return Err(PartError::new(
             ErrorCode::MeshNotClosed,

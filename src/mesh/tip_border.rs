@@ -77,6 +77,12 @@ pub fn covered_share(curve: &[Meridional], (low, high): (f64, f64), course: &Cou
     (to.min(high) - from.max(low)) / f64::max(high - low, 1e-300)
 }
 
+/// How far a curve goes on before and past a stretch along the course, mm, as a share of the stretch.
+pub fn past_share(curve: &[Meridional], (low, high): (f64, f64), course: &Course) -> f64 {
+    let (from, to) = course.extent_of(curve);
+    ((low - from).max(0.0) + (to - high).max(0.0)) / f64::max(high - low, 1e-300)
+}
+
 /// The border of a blade away from the hub, as a function of the distance along the course, mm.
 struct TipOutline {
     from: f64,

@@ -2,9 +2,9 @@
 //! not united go on into hub and cover, through the cover, and past the rim of both.
 
 use super::boss::{BossOfHub, cut_off_boss, end_of_foot};
-use super::meridional_points::straight_points;
+use super::meridional_points::{corners_of, straight_points};
 use super::normals::ExactNormals;
-use super::profile::{Course, FittedProfile, MOSTLY, VOTES, find_flow_side, mean_point};
+use super::profile::{Course, FittedProfile, MOSTLY, PieceRule, find_flow_side, mean_point};
 use super::surface::MeshSurface;
 use super::tip_border::begins_in_hub;
 use super::trim::{BodyOutline, depth_behind, rim_line, trimmed, trimmed_with_normals};
@@ -22,6 +22,13 @@ const REACHES_IN: f64 = 4.0;
 /// Corners of a blade that is cut off are on the wall where they are within this many times the tolerance of
 /// it: the foot of a blade that stands on the hub and reaches into it elsewhere only.
 const ON_WALL: f64 = 0.2;
+
+/// Cosines of angles between neighbouring triangles above which they are one face, where a corner between two
+/// faces is looked for.
+const OBTUSE: [f64; 3] = [0.9, 0.95, 0.98];
+/// Largest distance of the chords of a coarse mesh from the curve through its corners, as a share of the
+/// length of the curve.
+const CHORD: f64 = 0.01;
 
 /// The blades of a wheel.
 pub struct Blades {
@@ -191,21 +198,25 @@ fn fit_revolved(
     name: &str,
     tolerance: f64,
 ) -> Result<FittedProfile, PartError> {
-    let profile = fit_side(surface, course, (blades, exact, VOTES), name, tolerance)?;
-    if profile.max_deviation_mm > tolerance
-        && let Ok(one) = fit_side(surface, course, (blades, exact, 1.0), name, tolerance)
-        && one.max_deviation_mm <= tolerance
+    let by = |rule: PieceRule| fit_side(surface, course, (blades, exact, rule), name, tolerance);
+    let fits = |profile: &FittedProfile| profile.max_deviation_mm <= tolerance;
+    let profile = by(PieceRule::SEVERAL)?;
+    if let Ok(one) = by(PieceRule::ONE)
+        && fits(&one)
+        // The wall of a boss in which the blades begin is a piece of its own behind a corner; a large
+        // tolerance lets one curve follow both, around the corner.
+        && (profile.max_deviation_mm > tolerance || begins_with_wall(&profile, &one))
     {
-        // The wall of a boss in which the blades begin is a piece of its own behind a corner.
         return Ok(one);
     }
-    // A large tolerance lets one curve follow both, around the corner.
-    if profile.max_deviation_mm <= tolerance
-        && let Ok(one) = fit_side(surface, course, (blades, exact, 1.0), name, tolerance)
-        && one.max_deviation_mm <= tolerance
-        && begins_with_wall(&profile, &one)
-    {
-        return Ok(one);
+    if profile.max_deviation_mm > tolerance {
+        // The face ahead of the blades may meet that under them at an obtuse corner, which no smooth curve
+        // follows.
+        let rules = OBTUSE.map(|min_cosine| PieceRule { min_cosine, is_alone: true, ..PieceRule::SEVERAL });
+        let behind_corner = rules.into_iter().filter_map(|rule| by(rule).ok()).find(fits);
+        if let Some(profile) = behind_corner {
+            return Ok(profile);
+        }
     }
     check_deviation(profile, name, tolerance)
 }
@@ -223,15 +234,15 @@ fn begins_with_wall(whole: &FittedProfile, disc: &FittedProfile) -> bool {
     wrap_angle(direction(corner, disc.point(reach)) - wall).abs() > CORNER
 }
 
-/// The curve of the pieces of a surface that have a `share` of the votes of the one with most.
+/// The curve of the pieces of a surface that a rule takes.
 fn fit_side(
     surface: &MeshSurface,
     course: &Course,
-    (blades, exact, share): (&[Meridional], &ExactNormals, f64),
+    (blades, exact, rule): (&[Meridional], &ExactNormals, PieceRule),
     name: &str,
     tolerance: f64,
 ) -> Result<FittedProfile, PartError> {
-    let side = find_flow_side(surface, course, blades, (exact, share), name)?;
+    let side = find_flow_side(surface, course, blades, (exact, rule), name)?;
     let above = mean_point(blades);
     let fit = |points: &[Meridional]| {
         let profile = course.fit_without_feet(points, above, tolerance)?;
@@ -251,13 +262,21 @@ fn fit_side(
             format!("check which mesh is the {name}"),
         )
     })?;
-    if profile.max_deviation_mm > tolerance
-        && let Some(straight) = fit(&straight_points(surface, &side.triangles))
-        && straight.max_deviation_mm <= tolerance
-    {
-        return Ok(straight);
+    if profile.max_deviation_mm <= tolerance {
+        return Ok(profile);
     }
-    Ok(profile)
+    let straight = straight_points(surface, &side.triangles);
+    if let Some(fitted) = fit(&straight).filter(|fitted| fitted.max_deviation_mm <= tolerance) {
+        return Ok(fitted);
+    }
+    // The long edges of a coarse mesh are chords of a curved face: then its corners tell it.
+    let is_near_chords = |fitted: &FittedProfile| {
+        let curve = MeridionalCurve::through(&fitted.points);
+        straight.iter().all(|p| curve.project(*p).1.abs() < CHORD * curve.length())
+    };
+    let by_corners = fit(&corners_of(surface, &side.triangles));
+    let by_corners = by_corners.filter(|fitted| fitted.max_deviation_mm <= tolerance);
+    Ok(by_corners.filter(is_near_chords).unwrap_or(profile))
 }
 
 /// Checks that a curve follows the corners it was fitted to.

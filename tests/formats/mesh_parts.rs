@@ -1,6 +1,7 @@
 //! Parts that are converted to triangles and back stay the same.
 
 mod body;
+mod coarse;
 mod faults;
 mod nodes;
 mod roles;
@@ -28,7 +29,12 @@ fn named(name: String, node: usize, mesh: TriangleMesh) -> NamedMesh {
 
 /// Hub, shroud and all blades of a part, each as a separate mesh, mm.
 fn separate(part: &Impeller) -> Vec<NamedMesh> {
-    let t = Tessellation::new(part, &Fineness::default());
+    separate_at(part, &Fineness::default())
+}
+
+/// As [`separate`], of a fineness.
+fn separate_at(part: &Impeller, fineness: &Fineness) -> Vec<NamedMesh> {
+    let t = Tessellation::new(part, fineness);
     let mut meshes = vec![named("Hub".into(), 0, t.hub.mesh()), named("Shroud".into(), 1, t.shroud.mesh())];
     for k in 0..part.blade_count {
         let angle = part.pitch() * k as f64;
