@@ -13,8 +13,9 @@ const RING: f64 = 0.02;
 /// Heights in the channel, as shares of its own, between which corners of a mesh are held against the sides:
 /// beyond are fillets and rounded tips.
 const BESIDE: std::ops::Range<f64> = 0.3..0.8;
-/// Places along the sides with which they are: beyond are the faces of blunt edges.
-const ALONG: std::ops::Range<f64> = 0.03..0.97;
+/// Places along the sides with which they are: beyond are the faces of blunt edges, long where
+/// blades wrap.
+const ALONG: std::ops::Range<f64> = 0.1..0.9;
 /// Most corners that are.
 const CORNERS: usize = 400;
 /// Distance of a corner from both sides that is noted, as a share of the diameter.
@@ -76,4 +77,61 @@ pub fn sides_note(found: &PartDescription, corners: &[Point]) -> Option<String> 
             at.z, at.r
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Vector;
+    use crate::part::{BladeDescription, CamberSpan, CurveDescription};
+
+    /// A wheel of 240 mm with blades that wrap, along quarters of ellipses.
+    fn wheel() -> PartDescription {
+        let quarter = |r: f64, z: f64, long: f64, high: f64| {
+            let at = |i: i32| f64::from(i) / 40.0 * std::f64::consts::FRAC_PI_2;
+            let point = |a: f64| Meridional { r: r + long * (1.0 - a.cos()), z: z + high * a.sin() };
+            CurveDescription::Points((0..=40).map(|i| point(at(i))).collect())
+        };
+        let span = |span: f64, degrees: f64| CamberSpan {
+            span,
+            leading_edge: 0.0,
+            theta_leading_edge: 0.0,
+            angle: vec![(0.0, degrees.to_radians()), (1.0, 40.0_f64.to_radians())],
+            thickness: vec![(0.0, 3.0), (1.0, 2.5)],
+        };
+        PartDescription {
+            name: "wheel".to_owned(),
+            hub: quarter(30.0, -80.0, 90.0, 80.0),
+            shroud: quarter(70.0, -80.0, 50.0, 58.0),
+            blade_count: 7,
+            main: BladeDescription::Camber { spans: vec![span(0.0, 20.0), span(1.0, 50.0)], line: 0 },
+            splitters: Vec::new(),
+            hub_line: 0,
+            shroud_line: 0,
+            count_line: 0,
+            notes: Vec::new(),
+            roles_by_shape: false,
+        }
+    }
+
+    #[test]
+    fn sides_that_leave_the_mesh_are_noted() {
+        let found = wheel();
+        let part = Impeller::build(&found).expect("an impeller");
+        let places = (2..=8).flat_map(|i| [0.4, 0.6, 0.9].map(|v| (0.1 * f64::from(i), v)));
+        let corners: Vec<Point> = places.map(|(u, v)| part.main.suction.point(u, v)).collect();
+        assert_eq!(sides_note(&found, &corners), None);
+        let moved = |way_mm: f64| {
+            let mut corners = corners.clone();
+            let p = corners[9];
+            corners[9] += way_mm * Vector::new(-p.y, p.x, 0.0).normalize();
+            sides_note(&found, &corners)
+        };
+        assert_eq!(moved(0.05), None);
+        // Beyond the other side.
+        for way_mm in [-12.0, 12.0] {
+            let note = moved(way_mm).expect("it is far off");
+            assert!(note.contains(" mm off the file's surfaces at z = "), "{note}");
+        }
+    }
 }

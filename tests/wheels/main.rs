@@ -5,6 +5,7 @@
 
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
+mod formats;
 mod judge;
 mod leaning;
 mod make;

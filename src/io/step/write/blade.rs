@@ -82,13 +82,15 @@ pub fn blade_body(out: &mut Instances, part: &Impeller, blade: &Blade, floors: [
     let sides = [&blade.suction, &blade.pressure];
     let nets = sides.map(Net::from_side);
     let at = |which: usize, u: f64, v: f64| sides[which].point(u, v);
-    let apart = (0..=16).map(|k| f64::from(k) / 16.0).map(|v| (at(0, 1.0, v) - at(1, 1.0, v)).norm());
-    let blunt = apart.fold(0.0, f64::max) > MEETING;
+    let apart = |v: f64| (at(0, 1.0, v) - at(1, 1.0, v)).norm();
+    let blunt = (0..=16).any(|k| apart(f64::from(k) / 16.0) > MEETING);
+    // A blunt trailing edge may run out at foot or tip.
+    let meets = [0.0, 1.0].map(|v| apart(v) <= MEETING);
     // Vertices: foot and tip, at the leading edge and at the trailing edge of either side.
-    let mut pair = |which: usize, u: f64| [0.0, 1.0].map(|v| out.vertex(at(which, u, v).into()));
-    let leading = pair(0, 0.0);
-    let suction_end = pair(0, 1.0);
-    let pressure_end = if blunt { pair(1, 1.0) } else { suction_end };
+    let mut vertex = |which: usize, u: f64, k: usize| out.vertex(at(which, u, k as f64).into());
+    let leading = [0, 1].map(|k| vertex(0, 0.0, k));
+    let suction_end = [0, 1].map(|k| vertex(0, 1.0, k));
+    let pressure_end = [0, 1].map(|k| if meets[k] { suction_end[k] } else { vertex(1, 1.0, k) });
     let ends = [suction_end, pressure_end];
     let long: [[Edge; 2]; 2] = std::array::from_fn(|which| {
         [false, true].map(|tip| {
@@ -131,13 +133,19 @@ pub fn blade_body(out: &mut Instances, part: &Impeller, blade: &Blade, floors: [
     let (mut tip, mut foot) = (vec![(tip_s, true), (tip_p, false)], vec![(foot_p, true), (foot_s, false)]);
     if blunt {
         let corner = |which: usize, k: usize| (ends[which][k], at(which, 1.0, k as f64));
-        let [foot_edge, tip_edge] = [0, 1].map(|k| out.straight_edge(corner(0, k), corner(1, k)));
-        tip.insert(1, (tip_edge, true));
-        foot.insert(1, (foot_edge, false));
+        let [foot_edge, tip_edge] =
+            [0, 1].map(|k| (!meets[k]).then(|| out.straight_edge(corner(0, k), corner(1, k))));
+        tip.splice(1..1, tip_edge.map(|edge| (edge, true)));
+        foot.splice(1..1, foot_edge.map(|edge| (edge, false)));
         let (surface, own) = tail_surface(out, sides, &nets);
         let outwards = own.dot(&blade.suction.derivatives(1.0, 0.5).1) > 0.0;
-        let edges = vec![(tails[0], false), (foot_edge, true), (tails[1], true), (tip_edge, false)];
-        faces.push(face(out, edges, surface, outwards));
+        let around = [
+            Some((tails[0], false)),
+            foot_edge.map(|edge| (edge, true)),
+            Some((tails[1], true)),
+            tip_edge.map(|edge| (edge, false)),
+        ];
+        faces.push(face(out, around.into_iter().flatten().collect(), surface, outwards));
     }
     let p = blade.suction.point(0.5, 0.5);
     let outwards = |path: &crate::part::Flowpath, away: f64| {

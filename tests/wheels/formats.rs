@@ -1,0 +1,89 @@
+//! Made wheels, written in every format and read back.
+
+use vanecut::geometry::rotate_z;
+use vanecut::io::gltf::GltfScene;
+use vanecut::io::part_file::read_part_bytes;
+use vanecut::io::{step, stl};
+use vanecut::mesh::TriangleMesh;
+use vanecut::mesh::tessellate::{Fineness, Tessellation};
+use vanecut::part::{Blade, BladeSide, Impeller, SideProbe};
+
+use crate::{make, open};
+
+/// Wheels whose leading edges led the curve of the tips on once, by their numbers.
+const WHEELS: [usize; 3] = [0, 7, 10];
+/// A wheel whose blunt trailing edge runs out at the tip.
+const RUNS_OUT: usize = 4;
+/// Their seed.
+const SEED: u64 = 424_242;
+/// Chord error of the triangles, as a share of the diameter.
+const CHORD: f64 = 5e-4;
+
+/// Hub and blades of a wheel in one mesh, without its shroud, as an open wheel is.
+fn whole(part: &Impeller, shape: &Tessellation) -> TriangleMesh {
+    let mut whole = shape.hub.mesh();
+    for blade in std::iter::once(&shape.main).chain(&shape.splitters) {
+        for k in 0..part.blade_count {
+            let mut turned = blade.mesh();
+            turned.points.iter_mut().for_each(|p| *p = rotate_z(p, part.pitch() * k as f64));
+            whole.append(&turned);
+        }
+    }
+    whole
+}
+
+/// Largest distance of a side from a blade, mm, between its edges, which formats round differently.
+fn off(side: &BladeSide, blade: &Blade) -> f64 {
+    let probes = [&blade.suction, &blade.pressure].map(|side| SideProbe::new(side, 0.0, 1.0));
+    let places = (1..20).flat_map(|i| (0..=10).map(move |j| (0.05 * f64::from(i), 0.1 * f64::from(j))));
+    let distance = |(u, v)| {
+        let p = side.point(u, v);
+        probes
+            .each_ref()
+            .map(|probe| probe.nearest_to_point(&p).distance)
+            .into_iter()
+            .fold(f64::INFINITY, f64::min)
+    };
+    places.map(distance).fold(0.0, f64::max)
+}
+
+#[test]
+fn made_wheels_come_back_from_their_files() {
+    for index in WHEELS {
+        let wheel = make::wheel(SEED, index);
+        let part = open(&wheel);
+        let size = 2.0 * part.rim_radius();
+        let shape = Tessellation::new(&part, &Fineness { chord_error: CHORD * size, ..Fineness::default() });
+        let mesh = whole(&part, &shape);
+        let files = [
+            ("stl", stl::write_stl(&mesh.points, &mesh.triangles, "wheel")),
+            ("glb", GltfScene::of_part(&part, &shape).glb()),
+            ("step", step::write_part(&part, "wheel.step").into_bytes()),
+        ];
+        for (format, bytes) in files {
+            let what = format!("{} as {format}", wheel.description.name);
+            let again = read_part_bytes(&format!("wheel.{format}"), &bytes, format);
+            let again = again.unwrap_or_else(|error| panic!("{what}: {error}"));
+            let again = Impeller::build(&again).unwrap_or_else(|error| panic!("{what}: {error}"));
+            assert_eq!(again.blade_count, part.blade_count, "{what}");
+            assert_eq!(again.splitters.len(), part.splitters.len(), "{what}");
+            for side in [&again.main.suction, &again.main.pressure] {
+                let off = off(side, &part.main);
+                assert!(off < 4.0 * CHORD * size, "{what}: {off:.3} mm off");
+            }
+        }
+    }
+}
+
+/// Edges without length are none.
+#[test]
+fn a_trailing_edge_that_runs_out_at_the_tip_is_written_to_step() {
+    let part = open(&make::wheel(SEED, RUNS_OUT));
+    let side = |side: &BladeSide, v: f64| side.point(1.0, v);
+    let apart = |v: f64| (side(&part.main.suction, v) - side(&part.main.pressure, v)).norm();
+    assert!(apart(0.5) > 1e-3 && (0..2).any(|v| apart(f64::from(v)) < 1e-4), "{} {}", apart(0.0), apart(1.0));
+    let file = step::write_part(&part, "wheel.step");
+    let again = read_part_bytes("wheel.step", file.as_bytes(), "step").expect("readable");
+    let again = Impeller::build(&again).expect("an impeller");
+    assert_eq!((again.blade_count, again.splitters.len()), (part.blade_count, part.splitters.len()));
+}
