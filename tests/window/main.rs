@@ -162,7 +162,7 @@ fn a_cancelled_plan_of_a_new_setup_is_shown_as_the_best_so_far() {
     let finished = window.state().state().position_count();
     assert!(window.query_by_label("Unfinished:").is_none(), "a finished plan");
     slow.store(true, Ordering::SeqCst);
-    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(8.0);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(7.0);
     window.run_steps(3);
     assert!(window.state().is_busy(), "the edit is being planned");
     window.get_by_label("Cancel").click();
