@@ -8,7 +8,6 @@ use super::args::{ConvertArgs, MeshArgs};
 use super::stdout::print_stdout;
 use super::{Failure, open};
 use crate::error::ErrorCode;
-use crate::geometry::rotate_z;
 use crate::io::flank_file::{StoredFlank, is_flank, read_flank_bytes};
 use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
 use crate::io::native::write_native;
@@ -21,7 +20,6 @@ use crate::io::step;
 use crate::io::stl::write_stl;
 use crate::io::write::{write_all_atomically, write_atomically};
 use crate::job::FIELD_CELLS;
-use crate::mesh::TriangleMesh;
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;
 use crate::part::{Impeller, PartDescription};
@@ -84,7 +82,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     let asked = Fineness { chord_error: args.chord_error, ..Fineness::default() };
     let shape = Tessellation::new(part, &asked);
     if format == PartFormat::Stl {
-        let mesh = whole_wheel(part, &shape);
+        let mesh = shape.open_wheel(part);
         write_atomically(&args.output, &write_stl(&mesh.points, &mesh.triangles, &part.name))?;
         return print_stdout(&(summary_text(args, part, &shape, &asked) + &sides_note(part)));
     }
@@ -227,20 +225,6 @@ fn uri_of(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let plain = |b: u8| b.is_ascii_alphanumeric() || b"-._~".contains(&b);
     name.bytes().map(|b| if plain(b) { char::from(b).to_string() } else { format!("%{b:02X}") }).collect()
-}
-
-/// Hub body and all blades as one mesh of closed pieces.
-fn whole_wheel(part: &Impeller, shape: &Tessellation) -> TriangleMesh {
-    let mut whole = shape.hub.mesh();
-    for blade in std::iter::once(&shape.main).chain(&shape.splitters) {
-        let mesh = blade.mesh();
-        for k in 0..part.blade_count {
-            let turn = part.pitch() * k as f64;
-            let points = mesh.points.iter().map(|p| rotate_z(p, turn)).collect();
-            whole.append(&TriangleMesh { points, triangles: mesh.triangles.clone() });
-        }
-    }
-    whole
 }
 
 fn summary_text(args: &ConvertArgs, part: &Impeller, shape: &Tessellation, asked: &Fineness) -> String {

@@ -7,7 +7,9 @@
 mod blade;
 mod revolved;
 
+use super::TriangleMesh;
 use super::solid::Solid;
+use crate::geometry::rotate_z;
 use crate::part::Impeller;
 
 /// Lower limit of the triangle budget per row of blades, with which every part can be tessellated coarsely.
@@ -70,6 +72,20 @@ impl Tessellation {
             (revolved::tessellate_hub(part, chord_error), revolved::tessellate_shroud(part, chord_error));
         let done = Self { hub, shroud, main, splitters, chord_error };
         (done.triangle_count() <= most).then_some(done)
+    }
+
+    /// Hub body and all blades of `part` as one mesh of closed pieces, without the shroud.
+    pub fn open_wheel(&self, part: &Impeller) -> TriangleMesh {
+        let mut wheel = self.hub.mesh();
+        for blade in std::iter::once(&self.main).chain(&self.splitters) {
+            let mesh = blade.mesh();
+            for k in 0..part.blade_count {
+                let turn_rad = part.pitch() * k as f64;
+                let points = mesh.points.iter().map(|p| rotate_z(p, turn_rad)).collect();
+                wheel.append(&TriangleMesh { points, triangles: mesh.triangles.clone() });
+            }
+        }
+        wheel
     }
 
     /// Number of triangles of hub, shroud and one blade of each row.

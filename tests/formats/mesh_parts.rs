@@ -29,12 +29,7 @@ fn named(name: String, node: usize, mesh: TriangleMesh) -> NamedMesh {
 
 /// Hub, shroud and all blades of a part, each as a separate mesh, mm.
 fn separate(part: &Impeller) -> Vec<NamedMesh> {
-    separate_at(part, &Fineness::default())
-}
-
-/// As [`separate`], of a fineness.
-fn separate_at(part: &Impeller, fineness: &Fineness) -> Vec<NamedMesh> {
-    let t = Tessellation::new(part, fineness);
+    let t = Tessellation::new(part, &Fineness::default());
     let mut meshes = vec![named("Hub".into(), 0, t.hub.mesh()), named("Shroud".into(), 1, t.shroud.mesh())];
     for k in 0..part.blade_count {
         let angle = part.pitch() * k as f64;

@@ -10,7 +10,7 @@ use vanecut::part::{Blank, Impeller, Workpiece};
 use vanecut::plunge::lane::Lane;
 use vanecut::plunge::row::RowMaker;
 use vanecut::plunge::{DropReason, Planner, PlungePlan, SectionCache};
-use vanecut::setup::{AxisPolicy, CutDirection, Machine, SectionKind, SectionSetup, Setup};
+use vanecut::setup::{AxisPolicy, CutDirection, Machine, SectionKind, SectionSetup, Setup, Tool};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::{FaultKind, verify};
 
@@ -21,6 +21,18 @@ fn planned(part: &Impeller, setup: &Setup, policy: AxisPolicy) -> (Setup, Plunge
     let setup = resolve(setup, &workpiece).expect("the setup fits").setup;
     let plan = Planner::new(&workpiece, &setup).plan(policy, &Monitor::default()).expect("a plan");
     (setup, plan)
+}
+
+/// The maker of a row at `lambda`, cut from outlet to inlet.
+fn row_maker<'a>(
+    part: &'a Impeller,
+    lane: &'a Lane<'a>,
+    hub: &'a DepthSurface<'a>,
+    tool: &'a Tool,
+    lambda: f64,
+    monitor: &'a Monitor,
+) -> RowMaker<'a> {
+    RowMaker { part, lane, hub, tool, lambda, direction_sign: 1.0, step_limit: 7.8, monitor }
 }
 
 /// Rows of `conventional`: evenly spaced in s, both ends of each axis at the same s, their angles about Z
@@ -35,16 +47,7 @@ fn isoparametric_axes_end_at_one_s() {
     let hub = DepthSurface::new(part.hub.curve(), allowance + tool.corner_radius);
     let lane = Lane::new(&workpiece, &channel.full, tool, &setup.allowances);
     let monitor = Monitor::default();
-    let maker = |lambda| RowMaker {
-        part,
-        lane: &lane,
-        hub: &hub,
-        tool,
-        lambda,
-        direction_sign: 1.0,
-        step_limit: 7.8,
-        monitor: &monitor,
-    };
+    let maker = |lambda| row_maker(part, &lane, &hub, tool, lambda, &monitor);
     // Beyond the rim both ends move on by the same distance.
     let on_shroud =
         |s: f64| if s <= 1.0 { s } else { 1.0 + (s - 1.0) * part.hub.length() / part.shroud.length() };
@@ -92,16 +95,8 @@ fn monotone_finds_the_place_the_walk_finds() {
     let hub = DepthSurface::new(part.hub.curve(), 0.5 + tool.corner_radius);
     let lane = Lane::new(&workpiece, &channel.full, tool, &setup.allowances);
     for lambda in [0.0, 0.5, 1.0] {
-        let maker = RowMaker {
-            part,
-            lane: &lane,
-            hub: &hub,
-            tool,
-            lambda,
-            direction_sign: 1.0,
-            step_limit: 7.8,
-            monitor: &Monitor::default(),
-        };
+        let monitor = Monitor::default();
+        let maker = row_maker(part, &lane, &hub, tool, lambda, &monitor);
         let conventional = maker.conventional(1.0, 0.7).expect("stations");
         let row = maker
             .monotone(&conventional, Some(10f64.to_radians()), 1.0, &mut |_| true)

@@ -1,10 +1,8 @@
 //! Made wheels, written in every format and read back.
 
-use vanecut::geometry::rotate_z;
 use vanecut::io::gltf::GltfScene;
 use vanecut::io::part_file::read_part_bytes;
 use vanecut::io::{step, stl};
-use vanecut::mesh::TriangleMesh;
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
 use vanecut::part::{Blade, BladeSide, Impeller, SideProbe};
 
@@ -18,19 +16,6 @@ const RUNS_OUT: usize = 4;
 const SEED: u64 = 424_242;
 /// Chord error of the triangles, as a share of the diameter.
 const CHORD: f64 = 5e-4;
-
-/// Hub and blades of a wheel in one mesh, without its shroud, as an open wheel is.
-fn whole(part: &Impeller, shape: &Tessellation) -> TriangleMesh {
-    let mut whole = shape.hub.mesh();
-    for blade in std::iter::once(&shape.main).chain(&shape.splitters) {
-        for k in 0..part.blade_count {
-            let mut turned = blade.mesh();
-            turned.points.iter_mut().for_each(|p| *p = rotate_z(p, part.pitch() * k as f64));
-            whole.append(&turned);
-        }
-    }
-    whole
-}
 
 /// Largest distance of a side from a blade, mm, between its edges, which formats round differently.
 fn off(side: &BladeSide, blade: &Blade) -> f64 {
@@ -54,7 +39,7 @@ fn made_wheels_come_back_from_their_files() {
         let part = open(&wheel);
         let size = 2.0 * part.rim_radius();
         let shape = Tessellation::new(&part, &Fineness { chord_error: CHORD * size, ..Fineness::default() });
-        let mesh = whole(&part, &shape);
+        let mesh = shape.open_wheel(&part);
         let files = [
             ("stl", stl::write_stl(&mesh.points, &mesh.triangles, "wheel")),
             ("glb", GltfScene::of_part(&part, &shape).glb()),

@@ -341,7 +341,7 @@ mod tests {
         let notes = |library: &ShopLibrary| library.content().tools[0].notes.clone();
         library.replace(0, Tool { spindle: 4000.0, ..tool.clone() });
         assert_eq!(notes(&library), noted);
-        // With another diameter it cuts to its centre or no longer, whoever said how wide its inserts are.
+        // Inserts as wide as the radius of a new diameter still reach the centre; on the old one they do not.
         let resized = |factor: f64| {
             let diameter = factor * tool.diameter;
             Tool { diameter, insert_width: tool.insert_width.min(0.5 * diameter), ..tool.clone() }

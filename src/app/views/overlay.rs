@@ -192,9 +192,7 @@ pub fn layers(
 /// The content of the menu of layers.
 fn layer_switches(ui: &mut Ui, look: &mut Look, channels: usize, is_available: impl Fn(Command) -> bool) {
     theme::draw_box_edges(ui);
-    for (shown, command) in switches(&mut look.layers) {
-        switch(ui, shown, command, is_available(command));
-    }
+    switch_rows(ui, &mut look.layers, is_available);
     ui.separator();
     if look.layers.stock {
         ui.label("Stock colours");
@@ -273,10 +271,12 @@ pub fn unit_choice(ui: &mut Ui, units: DisplayUnits) -> Option<Command> {
     chosen
 }
 
-/// Draws the switch of a layer; one with nothing to show is not available.
-pub fn switch(ui: &mut Ui, shown: &mut bool, command: Command, is_available: bool) {
-    let switch = ui.add_enabled(is_available, egui::Checkbox::new(shown, command.label()));
-    switch.on_hover_text(command.tip()).on_disabled_hover_text(command.tip());
+/// Draws the switches of the layers; one with nothing to show is not available.
+pub fn switch_rows(ui: &mut Ui, layers: &mut Layers, is_available: impl Fn(Command) -> bool) {
+    for (shown, command) in switches(layers) {
+        let switch = ui.add_enabled(is_available(command), egui::Checkbox::new(shown, command.label()));
+        switch.on_hover_text(command.tip()).on_disabled_hover_text(command.tip());
+    }
 }
 
 /// The layers with the commands that switch them.

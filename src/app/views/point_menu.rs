@@ -102,9 +102,7 @@ impl App {
     /// The switches of the layers.
     pub(in crate::app) fn layer_switches(&mut self, ui: &mut Ui) {
         let mut layers = self.state.look.layers;
-        for (shown, command) in overlay::switches(&mut layers) {
-            overlay::switch(ui, shown, command, self.is_available(command));
-        }
+        overlay::switch_rows(ui, &mut layers, |layer| self.is_available(layer));
         self.state.look.layers = layers;
     }
 

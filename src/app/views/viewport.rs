@@ -310,8 +310,8 @@ impl App {
         }
         let channels = self.channel_count();
         let mut layers = self.state.look.layers;
-        let unavailable = overlay::switches(&mut layers).map(|(_, layer)| (layer, !self.is_available(layer)));
-        let is_available = |layer| !unavailable.contains(&(layer, true));
+        let known = overlay::switches(&mut layers).map(|(_, layer)| (layer, self.is_available(layer)));
+        let is_available = |layer| known.contains(&(layer, true));
         overlay::layers(ui, whole, &mut self.state.look, channels, is_available);
         if let Some(command) = overlay::mouse_help(ui, whole, self.state.look.mouse) {
             self.run_command(ui.ctx(), command);

@@ -1,9 +1,8 @@
 //! Meshes of few, long triangles, whose chords are far from the surfaces.
 
-use vanecut::mesh::TriangleMesh;
-use vanecut::mesh::tessellate::Fineness;
+use vanecut::mesh::tessellate::{Fineness, Tessellation};
 
-use super::{back, named, off, sample, separate_at, turning};
+use super::{back, named, off, sample, turning};
 
 /// Coarse feet dip into the hub here and there, and long edges along the hub are chords of its curve.
 #[test]
@@ -12,10 +11,7 @@ fn coarse_wheels_in_one_mesh_open() {
         let part = sample(name);
         for chord_error in [0.5, 1.0, 2.0] {
             let fineness = Fineness { chord_error, ..Fineness::default() };
-            let mut wheel = TriangleMesh::default();
-            for body in separate_at(&part, &fineness).iter().filter(|body| body.name != "Shroud") {
-                wheel.append(&body.mesh);
-            }
+            let wheel = Tessellation::new(&part, &fineness).open_wheel(&part);
             let again = back(vec![named(name.to_owned(), 0, wheel)], &turning(&part));
             let what = format!("{name} within {chord_error} mm");
             assert_eq!(again.blade_count, part.blade_count, "{what}");
