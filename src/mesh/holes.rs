@@ -16,6 +16,8 @@ const DEPTH: f64 = 0.02;
 /// Largest extent of a hole as a share of the blade's, along and across: the border of a blade that is open
 /// at an end is longer.
 const HOLE: f64 = 0.5;
+/// Smallest width of a hole, as a share of its length.
+const WIDTH: f64 = 1e-6;
 
 /// A border loop inside a blade's surface.
 #[derive(Clone, Copy, Debug)]
@@ -179,7 +181,14 @@ pub fn largest_hole(
         let is_sliced = corners.iter().any(|i| heights.contains(&places[*i as usize].1));
         is_sliced && own[0] < HOLE * whole[0] && own[1] < HOLE * whole[1]
     });
-    let measured = holes.map(|corners| {
+    // Collinear corners of a triangle that is left out for that leave a border of no width.
+    let has_width = |corners: &Vec<u32>| {
+        let at = |i: usize| surface.points[corners[i % corners.len()] as usize];
+        let area = (1..corners.len()).map(|i| (at(i) - at(0)).cross(&(at(i + 1) - at(0)))).sum::<Vector>();
+        let reach = (1..corners.len()).map(|i| (at(i) - at(0)).norm_squared()).fold(0.0, f64::max);
+        area.norm() > WIDTH * reach
+    };
+    let measured = holes.filter(has_width).map(|corners| {
         let sum: Vector = corners.iter().map(|i| surface.points[*i as usize].coords).sum();
         let middle = Point::from(sum / corners.len() as f64);
         let far = |i: &u32| (surface.points[*i as usize] - middle).norm();

@@ -8,8 +8,9 @@ use vanecut::part::{Blade, BladeSide, Impeller, SideProbe};
 
 use crate::{make, open};
 
-/// Wheels whose leading edges led the curve of the tips on once, by their numbers.
-const WHEELS: [usize; 3] = [0, 7, 10];
+/// Wheels that were misread once, by their numbers: leading edges that led the curve of the tips on, and an
+/// obtuse corner of the hub ahead of the blades, whose leading edge has collinear corners.
+const WHEELS: [usize; 4] = [0, 3, 7, 10];
 /// A wheel whose blunt trailing edge runs out at the tip.
 const RUNS_OUT: usize = 4;
 /// Their seed.
