@@ -151,7 +151,8 @@ impl Gpu {
     pub fn filled_buffer(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
-            size: contents.len() as u64,
+            // Of an empty buffer no slice can be bound, not even to draw nothing.
+            size: (contents.len() as u64).max(wgpu::COPY_BUFFER_ALIGNMENT),
             usage: usage | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });

@@ -5,8 +5,11 @@
 
 use glam::Vec3;
 
-use super::mesh::{Mesh, PointGrid, Segment};
+use super::mesh::{Mesh, PointGrid, Segment, Vertex};
 use super::view::{ViewTarget, ViewTargets};
+
+/// From this share of the radius of a mesh on, its corners are those of the rim.
+const RIM_SHARE: f32 = 0.9;
 
 /// Mesh of one blade; the other blades of its row are rotated copies.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,13 +61,21 @@ impl PartMesh {
         if corners().next().is_none() {
             (low, high) = (Vec3::NEG_ONE, Vec3::ONE);
         }
-        // The blades lie on the inlet side of the hub, which is to face up in the view.
+        let (center, radius) = ((low + high) / 2.0, ((high - low).length() / 2.0).max(1e-3));
+        // The inlet is to face up in the view. The blades lie on its side of the hub; where they are one
+        // body, the rim tells: it lies on the other side.
         let height = |mesh: &Mesh| {
             mesh.vertices.iter().map(|v| v.position[2]).sum::<f32>() / mesh.vertices.len().max(1) as f32
         };
-        let stand = blades.vertices.is_empty() || hub.vertices.is_empty() || height(&blades) >= height(&hub);
+        let stand = if blades.vertices.is_empty() || hub.vertices.is_empty() {
+            let reach = |v: &Vertex| v.position[0].hypot(v.position[1]);
+            let rim = RIM_SHARE * corners().map(reach).fold(0.0, f32::max);
+            let above: f32 = corners().filter(|v| reach(v) >= rim).map(|v| v.position[2] - center.z).sum();
+            above <= 0.0
+        } else {
+            height(&blades) >= height(&hub)
+        };
         let up_sign = if stand { 1.0 } else { -1.0 };
-        let (center, radius) = ((low + high) / 2.0, ((high - low).length() / 2.0).max(1e-3));
         let whole = ViewTarget { center, radius, from: Vec3::new(0.7, -0.7, 0.85 * up_sign).normalize() };
         let stride = (corners().count() / 2000).max(1);
         let outline: Vec<Vec3> = corners().step_by(stride).map(|v| Vec3::from_array(v.position)).collect();

@@ -249,6 +249,16 @@ fn what_an_stl_file_leaves_open_is_given_in_the_window() {
 
     ask_for_roles(&mut window);
     window.get_by_label("Assign surfaces, wheel.stl");
+    // Nothing is left to draw.
+    let lists = window.query_all_by_role(Role::ComboBox);
+    let labels = lists.filter_map(|list| list.accesskit_node().label());
+    let bodies: Vec<String> = labels.filter(|label| label.starts_with("Role of ")).collect();
+    let [body] = &bodies[..] else { panic!("one body: {bodies:?}") };
+    for role in ["ignore", "automatic"] {
+        choose(&mut window, body, role);
+        window.state_mut().draw_waiting_pictures();
+        window.render().expect("the window can be drawn");
+    }
     choose(&mut window, "Unit of the file", "in");
     choose(&mut window, "Sense of rotation", "clockwise");
     press(&mut window, "Open the part");
