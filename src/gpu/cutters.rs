@@ -102,12 +102,17 @@ pub struct DrawnCutter {
 
 impl DrawnCutter {
     /// The same turned about Z by an angle, given by its sine and cosine.
-    pub fn turned_z(&self, (sin, cos): (f32, f32)) -> Self {
-        let turn = |[x, y, z]: [f32; 3]| [x * cos - y * sin, x * sin + y * cos, z];
+    pub fn turned_z(&self, turn: (f32, f32)) -> Self {
+        let turn = |point| turned_z(point, turn);
         let instance =
             CutterInstance { tip: turn(self.instance.tip), axis: turn(self.instance.axis), ..self.instance };
         Self { instance, retract: turn(self.retract.to_array()).into(), ..self.clone() }
     }
+}
+
+/// A point turned about Z by an angle, given by its sine and cosine.
+fn turned_z([x, y, z]: [f32; 3], (sin, cos): (f32, f32)) -> [f32; 3] {
+    [x * cos - y * sin, x * sin + y * cos, z]
 }
 
 /// A channel in which the cutters of a plan are drawn once more.
@@ -283,13 +288,14 @@ pub fn append_holder(cutter: &DrawnCutter, into: &mut Vec<Segment>) {
 }
 
 /// Appends the rapids between the retract points of consecutive positions of one section, up to position
-/// `at`.
-pub fn append_links(cutters: &[DrawnCutter], at: Option<usize>, into: &mut Vec<Segment>) {
+/// `at`, in the channel turned about Z by the angle whose sine and cosine are `turn`.
+pub fn append_links(cutters: &[DrawnCutter], at: Option<usize>, turn: (f32, f32), into: &mut Vec<Segment>) {
     let cut = cutters.iter().filter(|c| at.is_none_or(|at| (c.instance.id as usize) < at));
+    let retract = |cutter: &DrawnCutter| Vec3::from_array(turned_z(cutter.retract.to_array(), turn));
     let mut before: Option<&DrawnCutter> = None;
     for cutter in cut {
         if let Some(before) = before.filter(|b| b.section == cutter.section) {
-            into.extend(polyline(&[before.retract, cutter.retract], 1.0, LineColour::Axis));
+            into.extend(polyline(&[retract(before), retract(cutter)], 1.0, LineColour::Axis));
         }
         before = Some(cutter);
     }

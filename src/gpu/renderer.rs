@@ -405,7 +405,10 @@ impl Renderer {
         }
         let DrawnCutters { mut lines, caps, instances } = drawn;
         if options.show_links {
-            cutters::append_links(cutters, choice.up_to, &mut lines);
+            cutters::append_links(cutters, choice.up_to, (0.0, 1.0), &mut lines);
+            for channel in &channels {
+                cutters::append_links(cutters, channel.up_to, channel.turn_rad.sin_cos(), &mut lines);
+            }
         }
         let back = camera.basis().2;
         let depth = |instance: CutterInstance| (Vec3::from_array(instance.tip).dot(back), instance);
