@@ -12,7 +12,7 @@ use vanecut::io::apt::read_apt;
 use vanecut::monitor::Monitor;
 use vanecut::plunge::Position;
 use vanecut::setup::{ChannelOrder, ChannelSequence, ChannelSetup};
-use vanecut::toolpath::{Motion, Move};
+use vanecut::toolpath::{Motion, Move, Travel};
 
 use crate::dialogs::{name_file, press_enter};
 use crate::fake;
@@ -130,7 +130,12 @@ fn all_channels_are_shown_and_the_timeline_runs_through_them() {
     assert_eq!(window.state().state().timeline_len(), 17 * count);
     window.get_by_label(&format!("all {}", 17 * count));
     let (now, whole) = window.state().state().clock().expect("a clock");
-    assert!(now == whole && whole > 17.0 * one, "{one} s for one channel, {whole} s for 17");
+    // With the links between channels of the program that is written.
+    let shown = window.state().state().shown().expect("planned");
+    let (outcome, result) = (&shown.planned.outcome, shown.planned.result(shown.policy));
+    let program = outcome.program_for_channels(result, 17, &Monitor::default()).expect("not cancelled");
+    let written = Travel::from_program(&program).time;
+    assert!(now == whole && whole > one && (whole / written - 1.0).abs() < 1e-9, "{whole} s, not {written}");
     let all = pixels_in(&mut window, rect);
     let changed = all.iter().zip(&plain).filter(|(a, b)| a != b).count();
     assert!(changed * 20 > all.len(), "{changed} pixels of {} show other channels", all.len());
@@ -228,6 +233,28 @@ fn the_solid_is_cut_in_the_shown_channels() {
     });
     let removed = [1, 2].map(|k| volumes[0] - volumes[k]);
     assert!(removed[0] > 0.0 && (removed[1] / removed[0] - 3.0).abs() < 0.05, "{removed:?} mm³");
+}
+
+#[test]
+fn rapids_are_drawn_in_all_shown_channels() {
+    let mut window = with_sample(fake::engine().0);
+    window.set_size(egui::vec2(1280.0, 760.0));
+    window.run_steps(3);
+    settle(&mut window);
+    let rect = window.get_by_label("3D view").rect();
+    let drawn = |window: &mut Window| {
+        let pixels = [false, true].map(|links| {
+            window.state_mut().look_mut().layers.links = links;
+            window.run_steps(3);
+            pixels_in(window, rect)
+        });
+        pixels[0].iter().zip(&pixels[1]).filter(|(without, with)| without != with).count()
+    };
+    let of_one = drawn(&mut window);
+    show_channels(&mut window, 17.0);
+    let of_all = drawn(&mut window);
+    // Those behind the wheel are hidden.
+    assert!(of_one > 0 && of_all > 4 * of_one, "{of_one} pixels in one channel, {of_all} in all");
 }
 
 /// The axes of the machine are those of the program of all shown channels.

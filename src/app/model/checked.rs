@@ -185,10 +185,8 @@ pub struct CheckedProgram {
     pub workpiece: Arc<Workpiece>,
     /// The machine of NC code, with the rotary positions that the code names; `None` for APT.
     pub on_machine: Option<NcMachine>,
-    /// Its text, with the line of each move.
+    /// Its text, with line and time of each move.
     pub listing: Arc<ProgramListing>,
-    /// Time from the start to the end of each move, s.
-    pub clock: Vec<f64>,
     /// Its moves as lines.
     pub lines: Vec<Segment>,
     /// Time of the whole program from feed rates and rapids, s.
@@ -208,7 +206,7 @@ impl CheckedProgram {
 
     /// Time after the first `count` moves, s, from feed rates and rapids.
     pub fn time_after(&self, count: usize) -> f64 {
-        count.checked_sub(1).and_then(|last| self.clock.get(last)).copied().unwrap_or(0.0)
+        self.listing.time_after(count).unwrap_or(0.0)
     }
 
     /// Indices of the first moves of each tool, or of each section that the program names.

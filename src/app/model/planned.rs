@@ -9,8 +9,8 @@ use crate::setup::{AllowanceSetup, AxisPolicy, SectionSetup, Setup, Tool};
 use crate::stock::{
     FieldCutter, FieldProgram, FloorGrid, FloorLevel, FloorLevels, ResidualField, field_cutters,
 };
+use crate::toolpath::{ClProgram, Travel};
 
-use crate::app::model::shown_channels::clock_of;
 use crate::app::model::units::DisplayUnits;
 
 /// One of the two plans that are compared.
@@ -150,7 +150,7 @@ impl DisplayPlan {
             policy: result.plan.policy,
             stock: result.plan.positions.iter().map(|p| stock_under(&outcome, result, p)).collect(),
             program: program_of(field_cutters(&result.plan), floor, known),
-            clock: clock_of(&result.plan),
+            clock: Travel::plunge_clock(&ClProgram::of_plan("", &result.plan)),
         };
         let policies = outcome.policies().into_iter().map(display).collect();
         let range = colour_range(&outcome.grid, [&outcome.before.field, &outcome.after.field]);

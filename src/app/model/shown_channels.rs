@@ -4,10 +4,9 @@
 use std::sync::Arc;
 
 use crate::app::model::planned::DisplayPlan;
-use crate::plunge::PlungePlan;
-use crate::plunge::channels::{order_plunges, repeat_for_channels};
+use crate::plunge::channels::order_plunges;
 use crate::setup::{AxisPolicy, ChannelSetup};
-use crate::toolpath::{ChannelStep, ClProgram, Travel};
+use crate::toolpath::ChannelStep;
 
 /// Several channels of a plan, as its program cuts them.
 #[derive(Debug)]
@@ -17,8 +16,6 @@ pub struct ShownChannels {
     count: usize,
     /// Their plunges, in cutting order.
     pub plunges: Vec<ChannelStep>,
-    /// Time from the start to the end of each plunge, s.
-    clock: Vec<f64>,
     /// The channels in their sequence, in pitches ahead of channel 1.
     sequence: Vec<usize>,
 }
@@ -44,9 +41,8 @@ impl ShownChannels {
         }
         let (plan, order) = (planned.plan(policy), planned.outcome.setup.channels);
         let plunges = order_plunges(plan, part, order, count);
-        let clock = clock_of(&repeat_for_channels(plan, part, order, count));
         let sequence = order.sequence.channels(part.blade_count).into_iter().take(count).collect();
-        Some(Self { planned: Arc::clone(planned), policy, count, plunges, clock, sequence })
+        Some(Self { planned: Arc::clone(planned), policy, count, plunges, sequence })
     }
 
     /// Whether these are the first `count` channels of a plan.
@@ -99,19 +95,4 @@ impl ShownChannels {
         let cut = &self.plunges[..cut.min(self.plunges.len())];
         cut.iter().rev().find(|plunge| plunge.channel == 0).map_or(0, |plunge| plunge.index + 1)
     }
-
-    /// Time of the program from its start to the end of its first `cut` plunges, s; `None` where it is not
-    /// known.
-    pub fn time_after(&self, cut: usize) -> Option<f64> {
-        if cut == 0 { Some(0.0) } else { self.clock.get(cut - 1).copied() }
-    }
-}
-
-/// Time from the start to the end of each plunge of a plan, s.
-pub(super) fn clock_of(plan: &PlungePlan) -> Vec<f64> {
-    let program = ClProgram::of_plan("", plan);
-    let moves = Travel::clock(&program);
-    // A plunge ends before the next one starts.
-    let ends = program.plunge_starts().into_iter().skip(1).chain([moves.len()]);
-    ends.filter_map(|end| moves.get(end.checked_sub(1)?).copied()).collect()
 }

@@ -95,7 +95,8 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
     let reader = program.warnings.iter().map(|w| format!("Line {}: {}", w.line, w.message));
     let notes = judged.notes.into_iter().chain(reader).collect();
     let ends = program.moves.iter().map(|step| Some(step.line).filter(|&line| line > 0)).collect();
-    let listing = ProgramListing::new(String::from_utf8_lossy(&bytes).into_owned(), ends);
+    let listing =
+        ProgramListing::new(String::from_utf8_lossy(&bytes).into_owned(), ends, Travel::clock(&program));
     Ok(CheckedProgram {
         request: request.clone(),
         stamp,
@@ -108,7 +109,6 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
         time_estimate: judged.time,
         machine_time: time_on_machine(&program, on_machine.as_ref(), &workpiece, setup, monitor),
         is_complete: judged.is_complete,
-        clock: Travel::clock(&program),
         listing: Arc::new(listing),
         program,
         workpiece: Arc::new(workpiece),

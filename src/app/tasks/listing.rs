@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use super::Repaint;
-use super::programs::{OnFaults, PlungeSource, cl_text};
 use crate::app::model::listing::ProgramListing;
 use crate::app::model::state::AppState;
 use crate::app::model::timeline_program::TimelineProgram;
 use crate::app::tasks::latest::Latest;
 use crate::io::apt::{read_apt_bytes, write_apt};
+use crate::toolpath::Travel;
 
 /// Lists the program in the background.
 pub(in crate::app) struct ListingWork(Latest<TimelineProgram, Arc<ProgramListing>>);
@@ -37,18 +37,21 @@ impl ListingWork {
 
 /// The program as it is written, read back for the lines of its moves; without lines where that fails.
 fn listing_of(listed: &TimelineProgram) -> Arc<ProgramListing> {
-    let text = match listed {
-        TimelineProgram::Plunges(planned, policy, channels) => {
-            let (planned, policy, channels) = (Arc::clone(planned), *policy, *channels);
-            cl_text(&PlungeSource { planned, policy, channels, on_faults: OnFaults::Write })
-        }
-        TimelineProgram::Flank(run) => write_apt(&run.program().0),
+    let (program, ends) = match listed {
         TimelineProgram::Checked(checked) => return Arc::clone(&checked.listing),
+        of_plan => of_plan.moves(),
     };
+    let text = write_apt(&program);
     let read = read_apt_bytes("", text.as_bytes());
     let moves = read.as_ref().map_or(&[][..], |program| &program.moves);
     let line = |index: usize| moves.get(index).map(|step| step.line);
-    let (_, ends) = listed.moves();
-    let lines = ends.into_iter().map(|end| end.and_then(line)).collect();
-    Arc::new(ProgramListing::new(text, lines))
+    let lines = ends.iter().map(|end| end.and_then(line)).collect();
+    let clock = match listed {
+        TimelineProgram::Plunges(..) => Travel::plunge_clock(&program),
+        _ => {
+            let clock = Travel::clock(&program);
+            ends.iter().map(|end| end.and_then(|end| clock.get(end).copied()).unwrap_or(0.0)).collect()
+        }
+    };
+    Arc::new(ProgramListing::new(text, lines, clock))
 }

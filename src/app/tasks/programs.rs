@@ -263,11 +263,6 @@ pub struct NcTask {
     pub target: PostTarget,
 }
 
-/// A plunge plan as it is shown.
-pub fn cl_text(content: &PlungeSource) -> String {
-    write_apt(&plunge_program(content))
-}
-
 /// The program of a plunge plan, for its channels.
 fn plunge_program(content: &PlungeSource) -> ClProgram {
     let outcome = &content.planned.outcome;

@@ -120,7 +120,8 @@ impl AppState {
         }
         match self.look.operation {
             Operation::Roughing => match self.shown_channels() {
-                Some(channels) => channels.time_after(cut),
+                // Links between channels take their time: only the written program has it.
+                Some(_) => self.results.listing.as_ref()?.time_after(cut),
                 None => self.shown().and_then(|shown| shown.planned.time_after(shown.policy, cut)),
             },
             Operation::Flank => Some(self.results.passes.time_after(cut)),
