@@ -50,14 +50,21 @@ impl PassageBlades {
     }
 }
 
-/// Width at one station, mm: minimum distance between the walls on the hub, at mid height and on the shroud.
-/// `None` ahead of the splitter, or where a wall does not extend to s.
+/// Width at one station, on the hub, at mid height and on the shroud.
 #[derive(Clone, Copy, Debug)]
 pub struct WidthStation {
     /// s.
     pub s: f64,
-    /// At η = 0, ½ and 1.
-    pub width: [Option<f64>; 3],
+    /// Distances from the points at η = 0, ½ and 1 of both walls to the nearest points of the facing wall,
+    /// mm. `None` ahead of the splitter, or where the wall does not extend to s.
+    pub from_walls: [[Option<f64>; 2]; 3],
+}
+
+impl WidthStation {
+    /// Widths at η = 0, ½ and 1, mm; see [`PassageWidth::at`].
+    pub fn widths(&self) -> [Option<f64>; 3] {
+        self.from_walls.map(|distances| distances.into_iter().flatten().reduce(f64::max))
+    }
 }
 
 /// Measures along one passage.
@@ -73,9 +80,9 @@ pub struct PassageMeasure {
 }
 
 impl PassageMeasure {
-    /// All measured widths, mm.
-    pub fn all_widths(&self) -> impl Iterator<Item = f64> + '_ {
-        self.widths.iter().flat_map(|station| station.width).flatten()
+    /// All measured distances between the walls, mm.
+    pub fn all_distances(&self) -> impl Iterator<Item = f64> + '_ {
+        self.widths.iter().flat_map(|station| station.from_walls).flatten().flatten()
     }
 }
 
@@ -121,11 +128,11 @@ fn measure_passage(
     let passage = &channel.passages[bounded.index];
     let widths = PassageWidth::new(part, passage);
     let width_at = |s: f64| {
-        let width = [0.0, 0.5, 1.0].map(|eta| {
+        let from_walls = [0.0, 0.5, 1.0].map(|eta| {
             let begins = begins[0] + eta * (begins[1] - begins[0]);
-            (s >= begins).then(|| widths.at(s, eta)).flatten()
+            if s >= begins { widths.from_walls(s, eta) } else { [None; 2] }
         });
-        WidthStation { s, width }
+        WidthStation { s, from_walls }
     };
     let pair = WallPair::new(part, passage, sides[0], sides[1]);
     let cutter_at = |s: f64| {

@@ -1,6 +1,6 @@
 //! Width of a passage: the distance between its walls.
 
-use super::channel::Passage;
+use super::channel::{Passage, Wall};
 use super::impeller::Impeller;
 use super::probe::SideProbe;
 
@@ -9,28 +9,36 @@ use super::probe::SideProbe;
 pub struct PassageWidth<'a> {
     part: &'a Impeller,
     passage: &'a Passage,
-    far_wall: SideProbe,
+    /// Of both walls, at λ = 0 and λ = 1.
+    probes: [SideProbe; 2],
 }
 
 impl<'a> PassageWidth<'a> {
     /// Prepares measurements of `passage` of `part`.
     pub fn new(part: &'a Impeller, passage: &'a Passage) -> Self {
-        Self { part, passage, far_wall: SideProbe::new(passage.walls[1].whole_side(), 0.0, 1.0) }
+        let probe = |wall: &Wall| SideProbe::new(wall.whole_side(), 0.0, 1.0);
+        Self { part, passage, probes: [probe(&passage.walls[0]), probe(&passage.walls[1])] }
     }
 
-    /// Distance from the wall at λ = 0 at (s, η) to the nearest point of the other wall, mm; on staggered
-    /// blades the point at equal s is further away. `None` where the blade at λ = 0 does not extend to (s,
-    /// η).
+    /// Distances from the point of each wall at (s, η) to the nearest point of the other wall, mm. `None`
+    /// where the blade at that wall does not extend to (s, η).
+    pub fn from_walls(&self, s: f64, eta: f64) -> [Option<f64>; 2] {
+        [0, 1].map(|near| {
+            let wall = &self.passage.walls[near];
+            let place = wall.at(self.part, s, eta).filter(|place| wall.is_blade_at(place))?;
+            let point = self.part.meridional(s, eta).at_angle(place.theta);
+            Some(self.probes[1 - near].nearest_to_point(&point).distance)
+        })
+    }
+
+    /// Width at (s, η), mm: the larger of both distances, the same whichever wall is at λ = 0. On staggered
+    /// blades, the point of one wall at equal s may face the middle of the other wall, and the other point
+    /// look past the end of the first. `None` where neither blade extends to (s, η).
     pub fn at(&self, s: f64, eta: f64) -> Option<f64> {
-        let wall = self.passage.walls[0].at(self.part, s, eta)?;
-        if !self.passage.walls[0].is_blade_at(&wall) {
-            return None;
-        }
-        let point = self.part.meridional(s, eta).at_angle(wall.theta);
-        Some(self.far_wall.nearest_to_point(&point).distance)
+        self.from_walls(s, eta).into_iter().flatten().reduce(f64::max)
     }
 
-    /// Least width at `s` between hub and shroud, mm; infinite where the wall does not reach.
+    /// Least width at `s` between hub and shroud, mm; infinite where the walls do not reach.
     pub fn min_width(&self, s: f64) -> f64 {
         (0..=4).filter_map(|j| self.at(s, f64::from(j) / 4.0)).fold(f64::INFINITY, f64::min)
     }

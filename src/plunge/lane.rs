@@ -13,6 +13,8 @@ use fit_table::{FitNode, FitTable, Reading};
 
 /// Maximum difference between two searches for the nearest point of a wall, mm: fits keep this as a margin.
 const SEARCH_ERROR: f64 = 4e-6;
+/// Step of s that gives the direction of the flow.
+const FLOW_STEP: f64 = 1e-3;
 
 /// A passage with the axes of one cutter along its walls.
 #[derive(Debug)]
@@ -42,6 +44,15 @@ pub struct AxisEnds {
     pub theta_hub: f64,
     /// Angle of W about Z, rad.
     pub theta_shroud: f64,
+}
+
+/// The axis at `lambda` between those beside both walls at the same s.
+fn between([low, high]: &[AxisEnds; 2], lambda: f64) -> AxisEnds {
+    AxisEnds {
+        theta_hub: low.theta_hub + lambda * (high.theta_hub - low.theta_hub),
+        theta_shroud: low.theta_shroud + lambda * (high.theta_shroud - low.theta_shroud),
+        ..*low
+    }
 }
 
 /// Whether a row at `lambda` runs along one of its passage's walls.
@@ -147,32 +158,41 @@ impl<'a> Lane<'a> {
             .then_some([low, high])
     }
 
-    /// Distance between the two wall axes at `s`, on the hub and on the shroud, mm: perpendicular to the flow
-    /// or to the axis, whichever is smaller. `None` where the cutter does not fit.
+    /// Width between the two wall axes at `s`, on the hub and on the shroud, mm, of which gaps between rows
+    /// take the share that is theirs of λ: the distance of neighbouring rows perpendicular to the flow or to
+    /// the axis, whichever is smaller, in steps of λ; the largest beside the walls and at mid passage. The
+    /// distance from wall to wall would be another one, since rows turn with the wheel. `None` where the
+    /// cutter does not fit.
     pub fn width(&self, s: f64) -> Option<(f64, f64)> {
-        let (low, high) = self.guide_axes(s, s, true)?;
-        let pair = self.ordered_pair(low, high)?;
-        let step = 1e-3;
-        let before = self.guide_axes(s - step, s - step, true).map(|(low, _)| low);
-        let across = |from: Point, to: Point, along: Vector| {
-            let d = to - from;
-            (d - along * d.dot(&along)).norm()
+        let pair = |s: f64| {
+            let (low, high) = self.guide_axes(s, s, true)?;
+            self.ordered_pair(low, high)
         };
-        let (_, axis) = self.line(&pair[0]);
-        let ends = |at: &dyn Fn(&AxisEnds) -> Point| {
-            let (from, to) = (at(&pair[0]), at(&pair[1]));
-            let beside_axis = across(from, to, axis);
-            let flow = before.map(|b| at(&b) - from).filter(|f| f.norm() > 1e-9);
-            flow.map_or(beside_axis, |f| beside_axis.min(across(from, to, f.normalize())))
-        };
-        Some((ends(&|e| self.hub_point(e)), ends(&|e| self.shroud_point(e))))
+        let (here, before) = (pair(s)?, pair(s - FLOW_STEP));
+        let turns = [here[1].theta_hub - here[0].theta_hub, here[1].theta_shroud - here[0].theta_shroud];
+        let widths = [0.0, 0.5, 1.0].map(|lambda| {
+            let row = between(&here, lambda);
+            let (foot, axis) = self.line(&row);
+            let before = before.as_ref().map(|before| between(before, lambda));
+            let ends = |point: Point, before: Option<Point>, turn: f64| {
+                let gap = Vector::new(-point.y, point.x, 0.0) * turn;
+                let across = |along: Vector| (gap - along * gap.dot(&along)).norm();
+                let flow = before.and_then(|before| (before - point).try_normalize(1e-9));
+                flow.map_or(across(axis), |flow| across(axis).min(across(flow)))
+            };
+            let hub = ends(foot, before.as_ref().map(|row| self.hub_point(row)), turns[0]);
+            let top = before.as_ref().map(|row| self.shroud_point(row));
+            (hub, ends(self.shroud_point(&row), top, turns[1]))
+        });
+        widths.into_iter().reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)))
     }
 
     /// Lean of `wall` at `s`: angle of the conventional axis along it to the hub normal, across the wall,
     /// rad; positive over the channel. `None` where there is no axis.
     pub fn lean_over(&self, wall: usize, s: f64) -> Option<f64> {
         let ends = self.table_axis(wall, s, s, true)?;
-        let along = self.hub_point(&self.table_axis(wall, s - 1e-3, s - 1e-3, true)?) - self.hub_point(&ends);
+        let along = self.hub_point(&self.table_axis(wall, s - FLOW_STEP, s - FLOW_STEP, true)?)
+            - self.hub_point(&ends);
         let normal = self.part.hub.normal(s).direction_at_angle(ends.theta_hub);
         let (m, axis) = self.line(&ends);
         let across = normal.cross(&along).normalize();
@@ -233,12 +253,7 @@ impl<'a> Lane<'a> {
             return self.table_axis(lambda as usize, s_hub, s_shroud, refit);
         }
         let (low, high) = self.guide_axes(s_hub, s_shroud, refit)?;
-        let [low, high] = self.ordered_pair(low, high)?;
-        Some(AxisEnds {
-            theta_hub: low.theta_hub + lambda * (high.theta_hub - low.theta_hub),
-            theta_shroud: low.theta_shroud + lambda * (high.theta_shroud - low.theta_shroud),
-            ..low
-        })
+        Some(between(&self.ordered_pair(low, high)?, lambda))
     }
 
     /// The axes beside both walls between which rows are interpolated; where a wall has none, the plain

@@ -28,8 +28,8 @@ pub struct PassageExtent {
     pub passage: usize,
     /// Minimum width over the height, mm.
     pub narrowest: f64,
-    /// Distance between the walls on the hub, perpendicular to the flow or to the axis, whichever is smaller,
-    /// mm.
+    /// Width on the hub, perpendicular to the flow or to the axis, whichever is smaller, mm: of which gaps
+    /// between rows take the share that is theirs of λ.
     pub hub: f64,
     /// The same on the shroud, mm.
     pub shroud: f64,
@@ -259,17 +259,20 @@ impl<'a> Surveyor<'a> {
         Some([at(0.0)?, at(1.0)?])
     }
 
-    /// See [`PassageExtent::hub`]. The nearest distance is not used here: near the ends of the blades the
-    /// other wall ends, while rows continue.
+    /// See [`PassageExtent::hub`]: what [`Lane::width`] measures, without a cutter. The nearest distance is
+    /// not used here: near the ends of the blades the other wall ends, while rows continue.
     fn width(&self, passage: &Passage, s: f64, eta: f64) -> Option<f64> {
-        let near = passage.point(self.part, s, 0.0, eta)?;
-        let gap = passage.point(self.part, s, 1.0, eta)?.point - near.point;
-        let across = |along: Vector| {
-            let along = along.try_normalize(1e-12)?;
-            Some((gap - along * gap.dot(&along)).norm())
+        let of_row = |lambda: f64| {
+            let place = passage.point(self.part, s, lambda, eta)?;
+            let gap = place.by_lambda;
+            let across = |along: Vector| {
+                let along = along.try_normalize(1e-12)?;
+                Some((gap - along * gap.dot(&along)).norm())
+            };
+            let [foot, top] = self.axis(passage, s, lambda)?;
+            [across(place.by_s), across(top - foot)].into_iter().flatten().reduce(f64::min)
         };
-        let [foot, top] = self.axis(passage, s, 0.0)?;
-        [across(near.by_s), across(top - foot)].into_iter().flatten().reduce(f64::min)
+        [0.0, 0.5, 1.0].into_iter().filter_map(of_row).reduce(f64::max)
     }
 
     /// See [`PassageExtent::turn_rad`]; 0 without walls.
