@@ -13,11 +13,39 @@ use crate::part::PartDescription;
 pub const EXTENSIONS: &[&str] =
     &["toml", "geomTurbo", "geomturbo", "inf", "step", "stp", "p21", "stl", "glb", "gltf"];
 
-/// Extensions of those that come from CAD or as meshes, in small letters: roles of their bodies, unit, axis,
-/// number of blades and sense of rotation are [`MeshOptions`].
-const MESH_EXTENSIONS: [&str; 6] = ["step", "stp", "p21", "stl", "glb", "gltf"];
-
 const CAN_OPEN: &str = "open a .toml, .geomTurbo, .inf (TurboGrid), .step, .stl, .glb or .gltf file";
+
+/// Formats of part files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PartFileFormat {
+    Native,
+    GeomTurbo,
+    TurboGrid,
+    Step,
+    Stl,
+    Gltf,
+}
+
+impl PartFileFormat {
+    /// The format that an extension in any case stands for. `name` is the file name used in messages.
+    fn from_extension(name: &str, extension: &str) -> Result<Self, InputError> {
+        let extension = extension.to_lowercase();
+        match extension.as_str() {
+            "toml" => Ok(Self::Native),
+            "geomturbo" => Ok(Self::GeomTurbo),
+            "inf" => Ok(Self::TurboGrid),
+            "step" | "stp" | "p21" => Ok(Self::Step),
+            "stl" => Ok(Self::Stl),
+            "glb" | "gltf" => Ok(Self::Gltf),
+            other => Err(unknown(name, other)),
+        }
+    }
+
+    fn of_file(path: &Path) -> Result<Self, InputError> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        Self::from_extension(&name_of(path), &extension)
+    }
+}
 
 /// Reads a part file: `.toml`, `.geomTurbo`, TurboGrid `.inf` with its `.curve` files beside it, CAD
 /// bodies, `.step` or `.stp`, or a mesh, `.stl`, `.glb` or `.gltf`. The extension is case-insensitive. The
@@ -42,15 +70,13 @@ pub fn read_part(path: &Path) -> Result<PartDescription, InputError> {
 /// As [`read_part`].
 pub fn read_part_with(path: &Path, options: &MeshOptions) -> Result<PartDescription, InputError> {
     let name = name_of(path);
-    let extension = extension_of(path);
-    match extension.as_str() {
-        "inf" => turbogrid::read(path).map(questioned),
-        "glb" | "gltf" => gltf::read(path, options),
-        "step" | "stp" | "p21" => step::read(path, options),
-        "stl" => stl::read_part(path, options),
-        "geomturbo" => geomturbo::read(&name, &read_bytes(path)?, options.unit),
-        "toml" => read_part_bytes(&name, &read_bytes(path)?, &extension),
-        other => Err(unknown(&name, other)),
+    match PartFileFormat::of_file(path)? {
+        PartFileFormat::Native => native::read(&name, &read_bytes(path)?).map(questioned),
+        PartFileFormat::GeomTurbo => geomturbo::read(&name, &read_bytes(path)?, options.unit),
+        PartFileFormat::TurboGrid => turbogrid::read(path).map(questioned),
+        PartFileFormat::Step => step::read(path, options),
+        PartFileFormat::Stl => stl::read_part(path, options),
+        PartFileFormat::Gltf => gltf::read(path, options),
     }
 }
 
@@ -59,20 +85,14 @@ pub fn read_part_with(path: &Path, options: &MeshOptions) -> Result<PartDescript
 /// # Errors
 /// When it has another one.
 pub fn check_part_format(path: &Path) -> Result<(), InputError> {
-    let extension = extension_of(path);
-    match extension.as_str() {
-        "inf" | "glb" | "gltf" | "step" | "stp" | "p21" | "stl" | "geomturbo" | "toml" => Ok(()),
-        other => Err(unknown(&name_of(path), other)),
-    }
+    PartFileFormat::of_file(path).map(|_| ())
 }
 
-fn extension_of(path: &Path) -> String {
-    path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default()
-}
-
-/// Whether a part file comes from CAD or as a mesh, by its extension: such a part is read by [`MeshOptions`].
+/// Whether a part file comes from CAD or as a mesh, by its extension: roles of its bodies, unit, axis, number
+/// of blades and sense of rotation are [`MeshOptions`].
 pub fn takes_mesh_options(path: &Path) -> bool {
-    MESH_EXTENSIONS.contains(&extension_of(path).as_str())
+    use PartFileFormat::{Gltf, Step, Stl};
+    PartFileFormat::of_file(path).is_ok_and(|format| matches!(format, Step | Stl | Gltf))
 }
 
 /// The bodies of a part file from CAD or of meshes.
@@ -89,12 +109,14 @@ pub struct FileBodies {
 /// # Errors
 /// When the file cannot be read, or [`takes_mesh_options`] does not hold for it.
 pub fn read_bodies(path: &Path) -> Result<FileBodies, InputError> {
-    let extension = extension_of(path);
-    let (meshes, unit) = match extension.as_str() {
-        "glb" | "gltf" => (gltf::read_meshes(path)?, FileUnit::Specified(LengthUnit::Metre)),
-        "step" | "stp" | "p21" => (step::read_meshes(path)?, FileUnit::Stated),
-        "stl" => (stl::read_meshes(path)?, FileUnit::Assumed(LengthUnit::Millimetre)),
-        other => return Err(unknown(&name_of(path), other)),
+    let (meshes, unit) = match PartFileFormat::of_file(path)? {
+        PartFileFormat::Gltf => (gltf::read_meshes(path)?, FileUnit::Specified(LengthUnit::Metre)),
+        PartFileFormat::Step => (step::read_meshes(path)?, FileUnit::Stated),
+        PartFileFormat::Stl => (stl::read_meshes(path)?, FileUnit::Assumed(LengthUnit::Millimetre)),
+        PartFileFormat::Native | PartFileFormat::GeomTurbo | PartFileFormat::TurboGrid => {
+            let (what, help) = ("has no bodies", "give a .step, .stl, .glb or .gltf file");
+            return Err(InputError::new(ErrorCode::FileFormat, &name_of(path), 0, what, help));
+        }
     };
     Ok(FileBodies { meshes, unit })
 }
@@ -105,20 +127,19 @@ pub fn read_bodies(path: &Path) -> Result<FileBodies, InputError> {
 /// # Errors
 /// When the bytes do not describe a part in that format, or the format needs several files.
 pub fn read_part_bytes(name: &str, bytes: &[u8], ext: &str) -> Result<PartDescription, InputError> {
-    match ext.to_lowercase().as_str() {
-        "toml" => native::read(name, bytes).map(questioned),
-        "geomturbo" => geomturbo::read(name, bytes, None),
-        "glb" | "gltf" => gltf::read_bytes(name, bytes, &MeshOptions::default()),
-        "step" | "stp" | "p21" => step::read_bytes(name, bytes, &MeshOptions::default()),
-        "stl" => stl::read_part_bytes(name, bytes, &MeshOptions::default()),
-        "inf" => Err(InputError::new(
+    match PartFileFormat::from_extension(name, ext)? {
+        PartFileFormat::Native => native::read(name, bytes).map(questioned),
+        PartFileFormat::GeomTurbo => geomturbo::read(name, bytes, None),
+        PartFileFormat::Step => step::read_bytes(name, bytes, &MeshOptions::default()),
+        PartFileFormat::Stl => stl::read_part_bytes(name, bytes, &MeshOptions::default()),
+        PartFileFormat::Gltf => gltf::read_bytes(name, bytes, &MeshOptions::default()),
+        PartFileFormat::TurboGrid => Err(InputError::new(
             ErrorCode::PartFile,
             name,
             0,
             "a TurboGrid part is several files",
             "open the .inf file from the folder that holds its .curve files",
         )),
-        other => Err(unknown(name, other)),
     }
 }
 
