@@ -38,9 +38,9 @@ fn near(found: f64, wanted: f64, tolerance: f64, what: &str) {
     assert!((found - wanted).abs() <= tolerance, "{what}: {found}, not {wanted} ± {tolerance}");
 }
 
-/// Minimum and maximum width at hub (0), half way (1) or shroud (2), mm.
+/// Minimum and maximum width at hub (0), half way (1) or shroud (2), from the wall at λ = 0, mm.
 fn range(passage: &PassageMeasure, height: usize) -> (f64, f64) {
-    let widths = || passage.widths.iter().filter_map(|w| w.widths()[height]);
+    let widths = || passage.widths.iter().filter_map(|w| w.from_walls[height][0]);
     (widths().fold(f64::INFINITY, f64::min), widths().fold(0.0, f64::max))
 }
 

@@ -12,7 +12,7 @@ use vanecut::job::{JobError, PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Blank, BlankShape, Impeller};
 use vanecut::plunge::channels::plan_channels;
-use vanecut::plunge::{PlungePlan, Position};
+use vanecut::plunge::{DropReason, PlungePlan, Position};
 use vanecut::setup::{
     AxisPolicy, ChannelOrder, ChannelSequence, ChannelSetup, SectionKind, SectionSetup, Setup, Tool,
     ToolAssembly,
@@ -163,7 +163,9 @@ fn a_cylinder_is_opened_down_to_the_shroud_and_the_channel_planned_as_without_it
     let [above, below] = kinds_of(plan);
     assert_eq!(kinds_of(&usual.plan)[0], 0, "nothing stands above the shroud of the usual blank");
     assert!(above > 20 && below * 100 >= 95 * usual.plan.positions.len(), "{above} above, {below} below");
-    assert_eq!(plan.dropped.len(), usual.plan.dropped.len(), "{:?}", plan.dropped);
+    // Its sections end elsewhere: the leans of monotone axes make the cutter of one a little short at its end.
+    assert!(plan.dropped.iter().all(|dropped| dropped.why == DropReason::Overhang), "{:?}", plan.dropped);
+    assert!(plan.dropped.len() * 100 <= below, "{:?}", plan.dropped);
     let (mean, before) = (outcome.after.summary.residual_mean, usual.summary.residual_mean);
     assert!((mean / before - 1.0).abs() < 0.03, "{mean} mm left, {before} mm with the usual blank");
     let text = write_apt(&ClProgram::of_plan("a", plan));
