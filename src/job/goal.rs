@@ -114,8 +114,12 @@ impl<'a> WholePlan<'a> {
         sparse: Option<&'a PlungePlan>,
         monitor: &Monitor,
     ) -> Result<Tradeoff<'a>, Cancelled> {
-        let limits =
-            ThinningLimits { max_uncut_share: first.max_uncut_share(), ..ThinningLimits::LEAST_TIME };
+        // The bound is that of the whole plan: what the sparse one leaves does not add to it.
+        let limits = ThinningLimits {
+            max_uncut_share: first.max_uncut_share(),
+            max_more_uncut: 0.0,
+            ..ThinningLimits::LEAST_TIME
+        };
         let tradeoff = Tradeoff::new(first);
         Ok(match sparse {
             Some(sparse) => tradeoff.and(self.thinning(sparse, limits, monitor)?),

@@ -16,13 +16,20 @@ pub struct ThinningLimits {
     pub max_mean_rise: f64,
     /// Share of the reachable floor that may be uncut, unless the whole plan leaves more.
     pub max_uncut_share: f64,
+    /// Share of it that may then be uncut beside what the whole plan leaves.
+    pub max_more_uncut: f64,
 }
 
 impl ThinningLimits {
     /// As many plunges go as still leave the stock of the whole plan.
-    pub const LEAST_STOCK: Self = Self { max_mean_rise: AS_GOOD, max_uncut_share: 0.0 };
+    pub const LEAST_STOCK: Self =
+        Self { max_mean_rise: AS_GOOD, max_uncut_share: 0.0, max_more_uncut: MAX_MORE_UNCUT };
     /// As many go as can.
-    pub const LEAST_TIME: Self = Self { max_mean_rise: f64::INFINITY, max_uncut_share: CUTS_THE_FLOOR };
+    pub const LEAST_TIME: Self = Self {
+        max_mean_rise: f64::INFINITY,
+        max_uncut_share: CUTS_THE_FLOOR,
+        max_more_uncut: MAX_MORE_UNCUT,
+    };
 
     /// Those of `goal`.
     pub fn from_goal(goal: Goal) -> Self {
@@ -31,6 +38,6 @@ impl ThinningLimits {
 
     /// Largest share of the floor that may be uncut, where the whole plan leaves `uncut_share`.
     pub(super) fn max_uncut_share(&self, uncut_share: f64) -> f64 {
-        self.max_uncut_share.max(uncut_share + MAX_MORE_UNCUT)
+        self.max_uncut_share.max(uncut_share + self.max_more_uncut)
     }
 }
