@@ -2,6 +2,7 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
+use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
 use vanecut::app::model::state::Tone;
 use vanecut::io::shop_tools::{LibraryFormat, read_library};
@@ -209,6 +210,20 @@ fn a_library_is_opened_searched_taken_into_the_setup_and_saved() {
     let library = read_library(&saved, LibraryFormat::Toml).expect("reads");
     assert_eq!(library.tools.len(), 2);
     assert_eq!(library.tools[0].tool.assembly.holder.len(), 2, "with its holder");
+    // What is no library stays as it is, even where replacing it was confirmed.
+    let setup = std::fs::read_to_string(&saved).expect("reads") + "[plunge]\nstep = 2.0\n";
+    for (name, text) in [("setup.toml", &*setup), ("plan.json", "{\"vanecut_plan\": 2, \"part\": \"wheel\"}")]
+    {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("writes");
+        let ctx = window.ctx.clone();
+        window.state_mut().file_chosen(&ctx, Purpose::SaveLibrary, path.clone());
+        window.run_steps(3);
+        settle(&mut window);
+        let problems = &window.state().state().problems;
+        assert!(problems.iter().any(|problem| problem.message.contains(name)), "{problems:?}");
+        assert_eq!(std::fs::read_to_string(&path).expect("reads"), text, "{name}");
+    }
 }
 
 #[test]

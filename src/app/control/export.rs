@@ -22,7 +22,7 @@ use crate::app::views::command::Command;
 use crate::app::views::nc_dialog::{NcAnswer, NcQuestion, TargetChoice};
 use crate::app::views::picture_dialog::ExportSettings;
 use crate::app::views::release::{self, Recalculation, ReleaseAnswer, ReleaseWords, Renewal};
-use crate::io::shop_tools::{is_fusion_library, missing_in_fusion};
+use crate::io::shop_tools::{check_replaced_library, is_fusion_library, missing_in_fusion};
 use crate::job::flank::FlankOutcome;
 use crate::job::worker::Outcome;
 use crate::setup::Setup;
@@ -82,7 +82,12 @@ impl App {
     /// Writes the chosen file; a program with something against it is asked about first.
     pub fn file_chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf) {
         let concerns = match purpose {
-            Purpose::SaveLibrary => self.library_losses(&path),
+            Purpose::SaveLibrary => {
+                if let Err(error) = check_replaced_library(&path) {
+                    return self.state.report_problem(Problem::of_writing(WriteTask::LIBRARY, &error));
+                }
+                self.library_losses(&path)
+            }
             _ => concerns(&self.state, purpose, self.channels_of(purpose)),
         };
         if concerns.is_empty() {

@@ -13,7 +13,7 @@ use crate::io::part_hash::PartHash;
 use crate::io::plan_inputs::{is_plan_file, read_plan_inputs};
 use crate::io::project_file::EXTENSION;
 use crate::io::setup_file::write_setup_beside;
-use crate::io::shop_tools::{fusion_for, write_toml};
+use crate::io::shop_tools::{check_replaced_library, fusion_for, write_toml};
 use crate::io::source::read_bytes;
 use crate::io::write::{write_all_atomically, write_atomically};
 use crate::job::assess::AssessedPart;
@@ -306,12 +306,15 @@ pub enum WriteTask {
 }
 
 impl WriteTask {
+    /// [`Self::kind`] of a tool library.
+    pub const LIBRARY: &str = "tool library";
+
     /// What is written: a file of one kind does not make up for one of another.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Project(_) => "project",
             Self::Setup(..) => "setup",
-            Self::Library(..) => "tool library",
+            Self::Library(..) => Self::LIBRARY,
             Self::Cl(..) => "plunge program",
             Self::Nc(..) => "NC program",
             Self::Flank(..) => "flank program",
@@ -363,6 +366,7 @@ fn write_file(task: &WriteTask, monitor: &Monitor) -> Result<Written, WriteError
         WriteTask::Setup(path, setup) => (path, write_setup_beside(setup, path).into_bytes()),
         WriteTask::Library(path, library) => {
             let is_fusion = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+            check_replaced_library(path)?;
             let text = if is_fusion { fusion_for(path, library)?.text } else { write_toml(library) };
             (path, text.into_bytes())
         }

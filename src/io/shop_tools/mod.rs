@@ -89,8 +89,14 @@ pub fn looks_like_library(format: LibraryFormat, bytes: &[u8]) -> bool {
     match format {
         LibraryFormat::Toml => {
             let text = String::from_utf8_lossy(bytes);
-            let line = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'));
-            line.is_some_and(|line| line.starts_with("[[tool]]"))
+            let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+            let first = lines.find(|line| !line.starts_with('#'));
+            // Of other tables it is a setup.
+            let is_of_tool = |line: &str| {
+                let name = line.trim_start_matches('[');
+                name.len() == line.len() || !name.starts_with(char::is_alphabetic) || name.starts_with("tool")
+            };
+            first.is_some_and(|line| line.starts_with("[[tool]]")) && lines.all(is_of_tool)
         }
         LibraryFormat::FusionJson => {
             let start = &bytes[..bytes.len().min(LOOKED_AT)];
@@ -167,12 +173,7 @@ pub fn fusion_for(path: &Path, library: &ToolLibrary) -> Result<MergedLibrary, I
     if is_fusion_library(path) {
         return merge_fusion(&name_of(path), &read_bytes_up_to(path, MAX_LIBRARY_BYTES)?, library);
     }
-    if !is_absent(path) {
-        let what = "already exists and is not a Fusion tool library";
-        let source = name_of(path);
-        let source = Source::new(&source, ErrorCode::FileNotWritten);
-        return Err(source.fault(0, what, "name another file to write"));
-    }
+    check_replaced_library(path)?;
     let (text, added) = (write_fusion(library), library.tools.len());
     Ok(MergedLibrary { text, added, ..MergedLibrary::default() })
 }
@@ -184,6 +185,24 @@ pub fn fusion_for(path: &Path, library: &ToolLibrary) -> Result<MergedLibrary, I
 pub fn toml_for(path: &Path, library: &ToolLibrary) -> Result<MergedLibrary, InputError> {
     let existing = if is_absent(path) { Vec::new() } else { read_bytes_up_to(path, MAX_LIBRARY_BYTES)? };
     merge_toml(&name_of(path), &existing, library)
+}
+
+/// Checks that a tool library may be written to `path`: nothing is there, or a library of its format.
+///
+/// # Errors
+/// When another file is there.
+pub fn check_replaced_library(path: &Path) -> Result<(), InputError> {
+    let is_fusion = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    let (format, what) = match is_fusion {
+        true => (LibraryFormat::FusionJson, "already exists and is not a Fusion tool library"),
+        false => (LibraryFormat::Toml, "already exists and is not a tool library"),
+    };
+    let is_library = |bytes: Vec<u8>| looks_like_library(format, &bytes);
+    if is_absent(path) || read_bytes_up_to(path, MAX_LIBRARY_BYTES).is_ok_and(is_library) {
+        return Ok(());
+    }
+    let name = name_of(path);
+    Err(Source::new(&name, ErrorCode::FileNotWritten).fault(0, what, "name another file to write"))
 }
 
 /// Whether the file at `path` is missing or empty.
