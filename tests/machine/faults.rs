@@ -34,6 +34,21 @@ fn limits_and_reach_are_reported_with_their_number() {
     assert_eq!(fault.explained().code, ErrorCode::AxisLimits, "{fault}");
 }
 
+/// They were counted up to 1000 only, without a word.
+#[test]
+fn all_positions_beyond_a_limit_are_found() {
+    let beyond = |repeats: usize| {
+        let mut program = plunges();
+        program.moves = std::iter::repeat_n(program.moves, repeats).flatten().collect();
+        let mut machine = machine("ac-trunnion");
+        let text = posted(&machine, &program, "fanuc", OutputKind::TcpAngles).text;
+        machine.rotary[1].limits = Some((-0.01, 0.01));
+        read_back(&machine, "fanuc", &text).expect("readable").overruns.len()
+    };
+    let (one, many) = (beyond(1), beyond(20));
+    assert!(one > 3 && many > 1000 && many.abs_diff(20 * one) <= many / 50, "{one}, {many}");
+}
+
 /// A cut that leads the tool around the pole of the machine's first axis, 30° from it.
 fn around_the_pole(degrees: &[f64]) -> ClProgram {
     let mut program = sweeps();

@@ -21,9 +21,6 @@ use words::{NcFault, NcWord};
 /// Largest number of lines.
 const MAX_LINES: usize = 2_000_000;
 
-/// Largest number of [`NcReading::overruns`].
-pub const MAX_OVERRUNS: usize = 1000;
-
 /// Whether the bytes look like APT rather than NC code.
 pub fn is_apt(bytes: &[u8]) -> bool {
     let text = String::from_utf8_lossy(bytes.get(..bytes.len().min(4000)).unwrap_or_default()).to_uppercase();

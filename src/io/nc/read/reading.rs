@@ -23,7 +23,7 @@ pub struct NcReading {
     /// Its moves, in the part frame. Between two blocks that turn the tool far, positions are added, as the
     /// axes run linearly in joint space.
     pub program: ClProgram,
-    /// Positions beyond limits; at most `MAX_OVERRUNS`.
+    /// Positions beyond limits.
     pub overruns: Vec<AxisOverrun>,
     /// Rotary positions at each move.
     pub angles: Vec<MoveAngles>,

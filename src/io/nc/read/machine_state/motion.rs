@@ -8,7 +8,7 @@ use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::io::InputError;
 use crate::io::nc::post::Dialect;
-use crate::io::nc::read::{AxisOverrun, MAX_OVERRUNS};
+use crate::io::nc::read::AxisOverrun;
 use crate::io::source;
 use crate::machine::{LINEAR_NAMES, MoveAngles, Pose, gauge_length, mixed_angles};
 use crate::toolpath::{Motion, Move};
@@ -160,9 +160,7 @@ impl NcState<'_> {
             }
         }
         for (letter, value, limits) in found {
-            if self.out.overruns.len() < MAX_OVERRUNS {
-                self.out.overruns.push(AxisOverrun { line, letter, value, limits });
-            }
+            self.out.overruns.push(AxisOverrun { line, letter, value, limits });
         }
     }
 
