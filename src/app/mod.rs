@@ -390,7 +390,11 @@ impl eframe::App for App {
         self.state.results.on_machine = self.machining.follow(&self.state);
         let (setup, readings) = (&self.state.document.edited.setup, self.state.machines.readings);
         if let Some(named) = self.machine_names.follow(setup, readings) {
+            let was_faulty = self.state.machines.fault_of(&named.file).is_some();
             self.state.machines.note(named);
+            if was_faulty && named.name.is_ok() {
+                self.state.solve(Topic::Machine);
+            }
         }
         self.state.results.listing = self.listing.follow(&self.state);
         self.watch_program(ctx);

@@ -82,8 +82,8 @@ impl MotionFault {
                     "choose another machine".to_owned()
                 } else {
                     format!(
-                        "plan with this machine as [machine] file of the setup, which keeps to the {reach:.1}° \
-                         that it reaches, or choose another machine"
+                        "plan with this machine as [machine] file of the setup, without a max_axis_tilt above \
+                         the {reach:.1}° that it reaches, or choose another machine"
                     )
                 };
                 UserError::new(ErrorCode::AxisLimits, format!("{first} ({others})"), help)

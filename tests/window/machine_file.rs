@@ -163,6 +163,15 @@ fn faults_of_a_machine_file_stand_at_the_list_until_another_is_chosen() {
     assert_eq!(shown(&window).as_deref(), Some("own.toml (Mill 5)"));
     assert!(labels(&window, "faulty.toml:").is_empty(), "{:?}", labels(&window, "faulty"));
     assert!(window.state().state().problems.is_empty(), "{:?}", window.state().state().problems);
+    // One that is broken and mended is read with each calculation.
+    let whole = std::fs::read_to_string(&path).expect("reads");
+    for (text, is_faulty) in [(whole.replace("[-80, 80]", "[-80, 80, 3]"), true), (whole, false)] {
+        std::fs::write(&path, text).expect("writes");
+        window.key_press(egui::Key::F5);
+        window.run_steps(3);
+        settle(&mut window);
+        assert_eq!(labels(&window, "own.toml:").is_empty(), !is_faulty, "{:?}", labels(&window, "own.toml"));
+    }
 }
 
 #[test]

@@ -181,10 +181,13 @@ impl App {
             C::Redo => self.redo(ctx),
             C::Plan => {
                 look.operation = Operation::Roughing;
+                // The machine file may have been mended since it was read.
+                self.state.machines.readings += 1;
                 self.plan();
             }
             C::PlanFlank => {
                 look.operation = Operation::Flank;
+                self.state.machines.readings += 1;
                 self.plan_flank();
             }
             C::ExportFlank => self.ask_for_flank_file(ctx, 1),

@@ -20,7 +20,7 @@ pub struct NamedMachine {
 #[derive(Clone, Debug, Default)]
 pub struct MachineList {
     own: Vec<NamedMachine>,
-    /// How often a machine file was opened: each time it is read anew.
+    /// How often the machine file is read anew: when one is opened, and when a plan is calculated on demand.
     pub readings: u32,
 }
 
