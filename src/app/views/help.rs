@@ -3,6 +3,7 @@
 use egui::{Grid, Label, Modal, RichText, ScrollArea, Ui};
 
 use crate::app::views::command::Command;
+use crate::app::views::modal;
 
 /// Pages of the help.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,7 +78,7 @@ impl Help {
         let Some(page) = self.page else { return };
         let mut close = false;
         let modal = Modal::new(egui::Id::unique("help")).show(ui.ctx(), |ui| {
-            ui.set_width(460.0);
+            modal::set_fitting_width(ui, 460.0);
             ui.heading(page.title());
             ui.add_space(4.0);
             match page {

@@ -1,6 +1,6 @@
 //! Modal dialogs: what they do to the window below, what closes them, and questions with a few answers.
 
-use egui::{Context, Id, Key, LayerId, Modal, ModalResponse, Modifiers, Popup, RichText, Ui, Vec2};
+use egui::{Context, Id, Key, LayerId, Modal, ModalResponse, Modifiers, Popup, RichText, Ui};
 
 use super::scroll_area;
 
@@ -51,9 +51,13 @@ const AROUND: f32 = 40.0;
 /// Draws the content of a dialog that is `width` points wide, or as wide as the window allows. It scrolls
 /// where the window is too low for it.
 pub fn fitting<R>(ui: &mut Ui, width: f32, content: impl FnOnce(&mut Ui) -> R) -> R {
-    let most = ui.ctx().content_rect().size() - Vec2::splat(AROUND);
-    ui.set_width(width.min(most.x));
-    scroll_area(most.y).show(ui, content).inner
+    set_fitting_width(ui, width);
+    scroll_area(ui.ctx().content_rect().height() - AROUND).show(ui, content).inner
+}
+
+/// Makes the content of a dialog `width` points wide, or as wide as the window allows.
+pub fn set_fitting_width(ui: &mut Ui, width: f32) {
+    ui.set_width(width.min(ui.ctx().content_rect().width() - AROUND));
 }
 
 /// A question with one button for each answer.

@@ -275,7 +275,8 @@ pub fn unit_choice(ui: &mut Ui, units: DisplayUnits) -> Option<Command> {
 pub fn switch_rows(ui: &mut Ui, layers: &mut Layers, is_available: impl Fn(Command) -> bool) {
     for (shown, command) in switches(layers) {
         let switch = ui.add_enabled(is_available(command), egui::Checkbox::new(shown, command.label()));
-        switch.on_hover_text(command.tip()).on_disabled_hover_text(command.tip());
+        let why = format!("{}\nThe shown operation has none of it now", command.tip());
+        switch.on_hover_text(command.tip()).on_disabled_hover_text(why);
     }
 }
 

@@ -71,8 +71,9 @@ const MAX_STOCK: FieldSpec = FieldSpec::mm(
     0.001,
     100.0,
 );
-/// Stock that may stay when the goal becomes the least time, as a share of the first tool's diameter.
-const MAX_STOCK_SHARE: f64 = 0.05;
+/// Stock that may stay when the goal becomes the least time, as a share of the first tool's diameter: about
+/// twice what plans of least stock leave, so that there is time to save.
+const MAX_STOCK_SHARE: f64 = 0.1;
 
 /// Semi-finishing when the goal becomes the least total: in steel with a ball-end mill of medium size.
 const FINISHING: SemiFinishing = SemiFinishing::Rate { mm3_per_min: 1500.0 };

@@ -11,7 +11,7 @@ use crate::app::model::figures::{
 };
 use crate::app::model::planned::DisplayPlan;
 use crate::app::views::command::Command;
-use crate::app::views::theme::Condition;
+use crate::app::views::theme::{Condition, width_of_text};
 use crate::app::views::units;
 
 /// Draws the switch and the figures; a policy that the running task has finished, in its `preview`, goes
@@ -41,22 +41,30 @@ pub fn show(
     }
 }
 
-/// Figures of a policy in three lines; a table would be wider than the panel.
+/// Figures of a policy in three lines, four where the panel is narrow; a table would be wider than it.
 fn lines(ui: &mut Ui, name: RichText, result: &PolicyResult, (channels, is_stale): (usize, bool)) {
     let summary = &result.summary;
+    let count = result.plan.count_interfering();
+    let verdict = format!("{count} interfering");
+    let (verdict, condition) = match count {
+        _ if is_stale => (format!("Out of date: {verdict}"), Condition::Blocked),
+        0 => (verdict, Condition::Sound),
+        _ => (verdict, Condition::Interfering),
+    };
+    let room = ui.available_width() - ui.spacing().item_spacing.x;
+    let is_one_line = width_of_text(ui, name.text()) + width_of_text(ui, &verdict) <= room;
+    let verdict = RichText::new(verdict).color(condition.text(ui.visuals()));
     ui.horizontal(|ui| {
         ui.label(name).on_hover_text(policy_tip(result.plan.policy));
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let count = result.plan.count_interfering();
-            let text = format!("{count} interfering");
-            let (text, condition) = match count {
-                _ if is_stale => (format!("Out of date: {text}"), Condition::Blocked),
-                0 => (text, Condition::Sound),
-                _ => (text, Condition::Interfering),
-            };
-            ui.label(RichText::new(text).color(condition.text(ui.visuals()))).on_hover_text(INTERFERING_TIP);
-        });
+        if is_one_line {
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                ui.label(verdict.clone()).on_hover_text(INTERFERING_TIP);
+            });
+        }
     });
+    if !is_one_line {
+        ui.label(verdict).on_hover_text(INTERFERING_TIP);
+    }
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
         let units = units::display_units(ui);
