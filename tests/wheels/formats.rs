@@ -13,6 +13,8 @@ const WHEELS: [usize; 3] = [0, 7, 10];
 /// Wheels whose slices were divided at leading or trailing edge here one way and there another once, so that
 /// their sides waved: by millimetres where blades wrap.
 const UNEVEN: [usize; 3] = [2, 4, 11];
+/// A wheel whose hub and shroud meet at the inlet, the shroud away from the outlet at first.
+const MEETING: usize = 9;
 /// A wheel whose blunt trailing edge runs out at the tip.
 const RUNS_OUT: usize = 4;
 /// Their seed.
@@ -76,6 +78,12 @@ fn made_wheels_come_back_from_their_files() {
 #[test]
 fn wheels_whose_slices_are_divided_unevenly_come_back_without_waves() {
     UNEVEN.into_iter().for_each(|index| comes_back(index, &["stl", "glb", "step"]));
+}
+
+/// Its triangles alone do not tell leading edge from tip.
+#[test]
+fn a_shroud_that_turns_back_on_the_course_of_the_channel_comes_back() {
+    comes_back(MEETING, &["glb", "step"]);
 }
 
 /// Edges without length are none.
