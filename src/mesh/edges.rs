@@ -47,6 +47,15 @@ pub fn find_jump(sections: &[SpanSection]) -> Option<EdgeJump> {
     found
 }
 
+/// How far the leading (0) or the trailing edge (1) jumps aside over the sections at most, mm.
+pub fn largest_jump(sections: &[SpanSection], edge: usize) -> f64 {
+    let turn = |side: usize| {
+        let places: Vec<Vector> = sections.iter().map(|s| s.sides[side].point(edge as f64).coords).collect();
+        largest_turn(&places).map_or(0.0, |(_, off)| off)
+    };
+    turn(0).max(turn(1))
+}
+
 /// The step between neighbouring values that differs most from the mean of its neighbours (extrapolated at
 /// the ends), and the difference.
 fn largest_step(values: &[f64]) -> Option<(usize, f64)> {

@@ -22,6 +22,8 @@ const ARM: (f64, f64) = (0.25, 0.005);
 
 /// A nose ends where the cosine between its direction and that at the foremost point falls below this.
 const NOSE_TURN: f64 = 0.5;
+/// The same for all of a nose, up to where its direction is that of the sides.
+const WHOLE_NOSE_TURN: f64 = 0.1;
 /// A seam within this many times the distance of another one from the foremost point is that of a nose with a
 /// face of its own.
 const NEAR_SEAM: f64 = 4.0;
@@ -121,20 +123,42 @@ pub fn find_nose_seam(
     step: &impl Fn(usize, bool) -> Option<usize>,
     lowest: usize,
 ) -> Option<usize> {
+    find_one(points, step, lowest, |p| p.seam, NOSE_TURN)
+}
+
+/// As [`find_nose_seam`], of the points where two faces meet in a seam or a corner, and over all of the nose:
+/// the line on which the sides meet leaves the foremost point where the blades wrap.
+pub fn find_nose_line(
+    points: &[SlicePoint],
+    step: &impl Fn(usize, bool) -> Option<usize>,
+    lowest: usize,
+) -> Option<usize> {
+    find_one(points, step, lowest, |p| p.seam || p.edge, WHOLE_NOSE_TURN)
+}
+
+/// The point of a nose for which `meets` holds, if there is exactly one where its direction has turned by
+/// less than the angle with the cosine `turn`.
+fn find_one(
+    points: &[SlicePoint],
+    step: &impl Fn(usize, bool) -> Option<usize>,
+    lowest: usize,
+    meets: impl Fn(&SlicePoint) -> bool,
+    turn: f64,
+) -> Option<usize> {
     let direction = |i: usize| {
         let (next, previous) = (step(i, true).unwrap_or(i), step(i, false).unwrap_or(i));
         (points[next].point - points[previous].point).try_normalize(1e-12)
     };
     let foremost = direction(lowest)?;
-    let mut found = points[lowest].seam.then_some(lowest);
+    let mut found = meets(&points[lowest]).then_some(lowest);
     for forward in [true, false] {
         let mut at = lowest;
         for _ in 0..points.len() / 2 {
             at = step(at, forward)?;
-            if direction(at)?.dot(&foremost) < NOSE_TURN {
+            if direction(at)?.dot(&foremost) < turn {
                 break;
             }
-            if points[at].seam && found.replace(at).is_some() {
+            if meets(&points[at]) && found.replace(at).is_some() {
                 return None;
             }
         }
@@ -150,7 +174,7 @@ pub fn find_nose_seam(
             if (points[at].point - from).norm() > near {
                 break;
             }
-            if points[at].seam && at != seam {
+            if meets(&points[at]) && at != seam {
                 return None;
             }
         }

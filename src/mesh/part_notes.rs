@@ -2,7 +2,7 @@
 
 use super::sides::{SideCurve, SpanSection};
 use crate::geometry::{Meridional, MeridionalCurve, Point};
-use crate::part::{Impeller, PartDescription, Rotation, SideProbe};
+use crate::part::{Blade, Impeller, PartDescription, Rotation, SideProbe};
 
 /// Smallest wrap of a blade from which the sense of rotation is derived without a note, rad.
 const CLEAR_WRAP: f64 = 0.1;
@@ -12,14 +12,19 @@ const RING: f64 = 0.02;
 
 /// Heights in the channel, as shares of its own, between which corners of a mesh are held against the sides:
 /// beyond are fillets and rounded tips.
-const BESIDE: std::ops::Range<f64> = 0.3..0.8;
-/// Places along the sides with which they are: beyond are the faces of blunt edges, long where
-/// blades wrap.
+const BESIDE: std::ops::Range<f64> = 0.2..0.9;
+/// Places along the sides between their edges, which coarse meshes tell less exactly.
 const ALONG: std::ops::Range<f64> = 0.1..0.9;
 /// Most corners that are.
 const CORNERS: usize = 400;
 /// Distance of a corner from both sides that is noted, as a share of the diameter.
 const OFF: f64 = 1e-3;
+/// The same of one at leading or trailing edge.
+const OFF_AT_EDGE: f64 = 3e-3;
+/// Heights at which the face of a blunt trailing edge is held against a corner, about the height of its
+/// nearest place, and their distance.
+const TAIL_HEIGHTS: i32 = 20;
+const TAIL_STEP: f64 = 0.01;
 
 /// The sense of rotation derived from a blade's wrap, with a note where the wrap is small.
 pub fn sense_from_wrap(sections: &[SpanSection], inlet_up: bool) -> (Rotation, Option<String>) {
@@ -63,20 +68,37 @@ pub fn sides_note(found: &PartDescription, corners: &[Point]) -> Option<String> 
     };
     let stride = corners.len().div_ceil(CORNERS).max(1);
     let beside = corners.iter().step_by(stride).filter(is_beside);
+    let size = 2.0 * part.rim_radius();
     let distances = beside.filter_map(|p| {
         let nearest = probes.each_ref().map(|probe| probe.nearest_to_point(p));
         let nearest = nearest.into_iter().min_by(|a, b| a.distance.total_cmp(&b.distance))?;
-        ALONG.contains(&nearest.u).then_some((nearest.distance, p))
+        let (off, limit) = match nearest.u {
+            u if ALONG.contains(&u) => (nearest.distance, OFF),
+            u if u < ALONG.start => (nearest.distance, OFF_AT_EDGE),
+            _ => (nearest.distance.min(off_tail(&part.main, nearest.v, p)), OFF_AT_EDGE),
+        };
+        (off > limit * size).then_some((off, p))
     });
     let (off, at) = distances.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let at = Meridional::from_point(at);
-    (off > OFF * 2.0 * part.rim_radius()).then(|| {
-        format!(
-            "the sides of the main blade were not understood everywhere: they are {off:.2} mm off the file's \
-             surfaces at z = {:.1}, r = {:.1} mm; do not cut this part before it is compared with the CAD model",
-            at.z, at.r
-        )
-    })
+    Some(format!(
+        "the sides of the main blade were not understood everywhere: they are {off:.2} mm off the file's surfaces \
+         at z = {:.1}, r = {:.1} mm; do not cut this part before it is compared with the CAD model",
+        at.z, at.r
+    ))
+}
+
+/// Distance of a corner from the straight face between both sides at the trailing edge, about the height `v`,
+/// mm.
+fn off_tail(blade: &Blade, v: f64, corner: &Point) -> f64 {
+    let off = |k: i32| {
+        let v = (v + TAIL_STEP * f64::from(k)).clamp(0.0, 1.0);
+        let [from, to] = [&blade.suction, &blade.pressure].map(|side| side.point(1.0, v));
+        let across = to - from;
+        let share = ((corner - from).dot(&across) / across.norm_squared().max(1e-300)).clamp(0.0, 1.0);
+        (from + across * share - corner).norm()
+    };
+    (-TAIL_HEIGHTS..=TAIL_HEIGHTS).map(off).fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]
@@ -133,5 +155,21 @@ mod tests {
             let note = moved(way_mm).expect("it is far off");
             assert!(note.contains(" mm off the file's surfaces at z = "), "{note}");
         }
+    }
+
+    #[test]
+    fn corners_ahead_of_the_leading_edge_are_noted_and_those_of_a_blunt_trailing_edge_are_not() {
+        let found = wheel();
+        let part = Impeller::build(&found).expect("an impeller");
+        let at = |u: f64, ahead_mm: f64| {
+            let (p, along, _) = part.main.suction.derivatives(u, 0.5);
+            p - along.normalize() * ahead_mm
+        };
+        assert_eq!(sides_note(&found, &[at(0.0, 0.1)]), None);
+        assert!(sides_note(&found, &[at(0.0, 4.0)]).is_some());
+        let [from, to] = [&part.main.suction, &part.main.pressure].map(|side| side.point(1.0, 0.5));
+        let middle = from + (to - from) * 0.5;
+        assert!((to - from).norm() > 2.0);
+        assert_eq!(sides_note(&found, &[middle]), None);
     }
 }

@@ -36,6 +36,16 @@ const FOOT: f64 = 0.02;
 /// share of the radius of their outlet from which on a disc is looked at.
 const FLAT: f64 = 0.4;
 const OUTER_DISC: f64 = 0.8;
+/// Angles between a course and the radial direction that are tried, degrees: the first unless the walls turn
+/// back on it.
+const COURSES_DEG: [f64; 7] = [45.0, 30.0, 60.0, 20.0, 70.0, 10.0, 80.0];
+/// Share of the area of a wall that turns back on its course with which another one is looked for, and share
+/// of it that is left on a better one.
+const TURNS_BACK: f64 = 0.05;
+const BETTER: f64 = 0.2;
+/// Smallest component across the course of the normal of a triangle that runs along it: a curve may turn
+/// slightly beyond the axial or radial direction.
+const ALONG: f64 = 0.2;
 /// Points of a line nearer to each other than this share of its extent are one.
 const CLOSE: f64 = 5e-4;
 /// Circumferential component of the normal from which on a triangle is not part of a surface of revolution.
@@ -79,8 +89,8 @@ pub struct FittedProfile {
 }
 
 /// The direction in which a channel runs from its inlet, near the axis, to its outlet: at 45° between the
-/// axial and the radial direction. Every meridional curve of a radial wheel runs within ± 90° of it and is
-/// therefore a function of the distance along it.
+/// axial and the radial direction, unless hub or shroud turn back on that. Every meridional curve of a radial
+/// wheel runs within ± 90° of it and is therefore a function of the distance along it.
 #[derive(Clone, Copy, Debug)]
 pub struct Course {
     along: Meridional,
@@ -119,9 +129,46 @@ impl Course {
                 rise = sum / area - 0.5 * (low + high);
             }
         }
-        let half = std::f64::consts::FRAC_1_SQRT_2;
-        let along = Meridional { r: half, z: half.copysign(rise) };
+        Self::at_angle(COURSES_DEG[0], rise)
+    }
+
+    /// The course at an angle to the radial direction, degrees, that runs as `rise` does along the axis.
+    fn at_angle(degrees: f64, rise: f64) -> Self {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let along = Meridional { r: cos, z: sin.copysign(rise) };
         Self { along, across: Meridional { r: -along.z, z: along.r } }
+    }
+
+    /// This course, or the one on which the `walls` beside the `blades` do not turn back: where hub and
+    /// shroud meet, one of them may run away from the other at the inlet, across the channel.
+    pub fn along_walls(self, walls: &[&MeshSurface], blades: &[Meridional]) -> Self {
+        let sides: Vec<(&MeshSurface, Vec<usize>)> =
+            walls.iter().map(|wall| (*wall, beside_blades(wall, &self, blades, PieceRule::ONE))).collect();
+        let back = |course: &Self| {
+            sides.iter().map(|(wall, side)| course.share_back(wall, side)).fold(0.0, f64::max)
+        };
+        let own = back(&self);
+        if own < TURNS_BACK {
+            return self;
+        }
+        let others = COURSES_DEG[1..].iter().map(|degrees| Self::at_angle(*degrees, self.along.z));
+        let rated = others.map(|course| (back(&course), course));
+        let best = rated.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(back, _)| *back < BETTER * own);
+        best.map_or(self, |(_, course)| course)
+    }
+
+    /// Share of the area of `triangles` that does not run along the course, but across it or back.
+    fn share_back(&self, surface: &MeshSurface, triangles: &[usize]) -> f64 {
+        let (mut all, mut along) = (0.0, [0.0; 2]);
+        for &t in triangles {
+            let (area, (n, _)) = (surface.area(t), meridional_normal(surface, t));
+            let across = n.r * self.across.r + n.z * self.across.z;
+            all += area;
+            if across.abs() > ALONG {
+                along[usize::from(across > 0.0)] += area;
+            }
+        }
+        1.0 - f64::max(along[0], along[1]) / f64::max(all, 1e-300)
     }
 
     /// Whether the inlet faces +Z.
@@ -330,6 +377,28 @@ pub fn find_flow_side(
     (exact, rule): (&ExactNormals, PieceRule),
     name: &str,
 ) -> Result<FlowSide, PartError> {
+    let mut triangles = beside_blades(surface, course, blades, rule);
+    triangles.retain(|&t| follows(course, surface, t));
+    let points = meridional_points(surface, &triangles, exact, |p| course.coordinates_of(p).0);
+    if points.len() < 8 {
+        return Err(PartError::new(
+            ErrorCode::NotRevolved,
+            0,
+            format!("the {name} has no surface of revolution beside the blades"),
+            format!("check which mesh is the {name}, and the axis of rotation (--rotation-axis)"),
+        ));
+    }
+    Ok(FlowSide { points, triangles })
+}
+
+/// The triangles of the smooth pieces of a surface that are nearest to the blades, by votes of blade corners
+/// that the `rule` takes.
+fn beside_blades(
+    surface: &MeshSurface,
+    course: &Course,
+    blades: &[Meridional],
+    rule: PieceRule,
+) -> Vec<usize> {
     // Fillets and other triangles that are not of revolution are ignored.
     let turned: Vec<bool> = (0..surface.triangles.len())
         .map(|t| meridional_normal(surface, t).1.abs() < MIN_CIRCUMFERENTIAL)
@@ -407,31 +476,55 @@ pub fn find_flow_side(
         chosen.iter_mut().enumerate().for_each(|(g, is_chosen)| *is_chosen = Some(g) == longest);
     }
     let is_beside = |t: usize| group[t] != NONE && chosen[group[t] as usize] && turned[t];
-    let triangles: Vec<usize> =
-        (0..group.len()).filter(|&t| is_beside(t) && follows(course, surface, t)).collect();
-    let points = meridional_points(surface, &triangles, exact, |p| course.coordinates_of(p).0);
-    if points.len() < 8 {
-        return Err(PartError::new(
-            ErrorCode::NotRevolved,
-            0,
-            format!("the {name} has no surface of revolution beside the blades"),
-            format!("check which mesh is the {name}, and the axis of rotation (--rotation-axis)"),
-        ));
-    }
-    Ok(FlowSide { points, triangles })
+    (0..group.len()).filter(|&t| is_beside(t)).collect()
 }
 
 /// Whether a triangle runs along the course, as opposed to a rim or a bore.
 fn follows(course: &Course, surface: &MeshSurface, t: usize) -> bool {
     let (n, _) = meridional_normal(surface, t);
     let across = n.r * course.across.r + n.z * course.across.z;
-    // 0.2 allows a curve to turn slightly beyond the axial or radial direction.
-    across.abs() > 0.2
+    across.abs() > ALONG
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Point;
+    use crate::mesh::TriangleMesh;
+
+    #[test]
+    fn a_course_follows_a_wall_that_turns_back_on_it() {
+        // Half of a wall of revolution through the points of a line, and places of blades over it.
+        let wall = |line: &dyn Fn(f64) -> (f64, f64)| {
+            let point = |i: u32, k: u32| {
+                let ((r, z), angle) = (line(f64::from(i) / 20.0), 0.1 * f64::from(k));
+                Point::new(r * angle.cos(), r * angle.sin(), z)
+            };
+            let points = (0..=20).flat_map(|i| (0..=30).map(move |k| point(i, k))).collect();
+            let cell = |i: u32, k: u32| {
+                let (a, b) = (31 * i + k, 31 * (i + 1) + k);
+                [[a, b, b + 1], [a, b + 1, a + 1]]
+            };
+            let triangles = (0..20).flat_map(|i| (0..30).flat_map(move |k| cell(i, k))).collect();
+            MeshSurface::from_mesh(&TriangleMesh { points, triangles })
+        };
+        let course_over = |line: &dyn Fn(f64) -> (f64, f64)| {
+            let surface = wall(line);
+            let places: Vec<Meridional> = (0..=40)
+                .map(|i| line(f64::from(i) / 40.0))
+                .flat_map(|(r, z)| [1.0, 5.0].map(|over| Meridional { r, z: z + over }))
+                .collect();
+            Course::from_blades(&places, &surface, |_| true).along_walls(&[&surface], &places)
+        };
+        // A quarter of a circle is along the usual course, whichever way it bends.
+        let quarter = |x: f64| (60.0 - 40.0 * (1.5 * x).cos(), 40.0 * (1.5 * x).sin());
+        assert!((course_over(&quarter).along.r - std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-9);
+        // A wall that first runs down, away from the outlet, is not.
+        let drop = |x: f64| (60.0 + 60.0 * x, if x < 0.3 { -100.0 * x } else { -30.0 + 60.0 * (x - 0.3) });
+        let course = course_over(&drop);
+        let along = |x: f64| course.coordinates_of(Meridional { r: drop(x).0, z: drop(x).1 }).0;
+        assert!((0..20).all(|i| along(0.05 * f64::from(i + 1)) > along(0.05 * f64::from(i))));
+    }
 
     #[test]
     fn the_feet_of_fillets_do_not_make_a_curve_wave() {

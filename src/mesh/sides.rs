@@ -1,6 +1,6 @@
 //! Splits a slice of a blade into its two sides at leading and trailing edge.
 
-use super::end_faces::{EndFaces, find_nose_seam};
+use super::end_faces::{EndFaces, find_nose_line, find_nose_seam};
 use super::sections::{SlicePiece, SlicePoint, knots_of};
 use crate::geometry::cubic::{Cubic, chord_lengths};
 use crate::geometry::{Point, Vector, wrap_angle};
@@ -24,6 +24,12 @@ const NOSE_SHARE: f64 = 0.35;
 const AT_GAP: f64 = 0.05;
 /// Widest gap that is bridged anywhere else, as a share of the length.
 const BRIDGED: f64 = 0.01;
+/// Way back of a side around the hindmost point from which on its trailing edge is round, as a share of the
+/// length.
+const BACK: f64 = 1e-4;
+/// How many times the distance of points further than the nearest one a point of a seam may be from the place
+/// where it is expected.
+const LINE_NEAR: f64 = 3.0;
 /// Fewest points of a slice, as of a plate, and that a side is interpolated through.
 const FEWEST: usize = 4;
 /// Share of a side's length at which the thickness of the nose is measured.
@@ -38,6 +44,45 @@ pub struct SideCurve {
     table: Vec<(f64, f64)>,
 }
 
+/// Where the two sides of a slice are to begin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BeginRule {
+    /// At corners, faces or seams of the leading edge where there are any, else at the foremost point.
+    AsFound,
+    /// At the one line where the faces of both sides meet, even if it is at the end of the nose.
+    AtLine,
+    /// At the foremost point.
+    AtForemost,
+    /// Near this place.
+    Near(Point),
+}
+
+/// Where the two sides of a slice are to begin and to end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SplitRule {
+    /// Where they begin.
+    pub begin: BeginRule,
+    /// Where they end: near a place, or, without one, at corners, faces or seams of the trailing edge where
+    /// there are any, else at the hindmost point.
+    pub end: Option<Point>,
+}
+
+impl SplitRule {
+    /// Where corners, faces and seams of the edges are.
+    pub const AS_FOUND: Self = Self { begin: BeginRule::AsFound, end: None };
+}
+
+/// What is where two sides of a slice begin, or end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EdgeKind {
+    /// A face of the edge.
+    Face,
+    /// The line where the faces of both sides meet: a corner, or a seam.
+    Line,
+    /// Neither: the foremost or the hindmost point.
+    Round,
+}
+
 /// Both sides of a slice: first the one at the smaller angle about the axis.
 #[derive(Clone, Debug)]
 pub struct SpanSection {
@@ -47,6 +92,8 @@ pub struct SpanSection {
     pub gaps: [f64; 2],
     /// Whether both sides go round to one point at the trailing edge.
     pub has_round_tail: bool,
+    /// What is at leading and trailing edge.
+    pub edges: [EdgeKind; 2],
 }
 
 impl SideCurve {
@@ -115,10 +162,25 @@ impl SideCurve {
 
     /// Point at parameter `w` (0 leading, 1 trailing edge).
     pub fn point(&self, w: f64) -> Point {
+        self.raw(self.way_mm(w))
+    }
+
+    fn way_mm(&self, w: f64) -> f64 {
         let i = self.table.partition_point(|(_, v)| *v < w).clamp(1, self.table.len() - 1);
         let ((t0, w0), (t1, w1)) = (self.table[i - 1], self.table[i]);
         let share = if w1 > w0 { ((w - w0) / (w1 - w0)).clamp(0.0, 1.0) } else { 0.0 };
-        self.raw(t0 + (t1 - t0) * share)
+        t0 + (t1 - t0) * share
+    }
+
+    /// Way along the side at parameter `w`, as a share of its length.
+    pub fn way(&self, w: f64) -> f64 {
+        self.way_mm(w) / self.length()
+    }
+
+    /// Gives the side the parameters with these ways, at even steps from 0 to 1.
+    pub fn set_ways(&mut self, ways: &[f64]) {
+        let (length, last) = (self.length(), ways.len().saturating_sub(1).max(1) as f64);
+        self.table = ways.iter().enumerate().map(|(k, way)| (way * length, k as f64 / last)).collect();
     }
 
     /// Change of the angle about the axis from leading to trailing edge, rad.
@@ -136,9 +198,9 @@ impl SideCurve {
 impl SpanSection {
     /// Joins the pieces of a slice, longest first, and splits them into sides. `None` where they do not form
     /// a blade section.
-    pub fn from_cuts(cuts: &[SlicePiece]) -> Option<Self> {
+    pub fn from_cuts(cuts: &[SlicePiece], rule: SplitRule) -> Option<Self> {
         let (line, gaps) = chain_pieces(cuts)?;
-        let SplitSlice { mut first, mut second, round_tail } = split(&line)?;
+        let SplitSlice { mut first, mut second, round_tail, edges } = split(&line, rule)?;
         let mut sides = [SideCurve::new(&first)?, SideCurve::new(&second)?];
         let at = |side: &SideCurve, share: f64| side.raw(share * side.length());
         // The sides are ordered by their angle half way along, where both are at nearly the same radius.
@@ -147,6 +209,16 @@ impl SpanSection {
             sides.swap(0, 1);
             std::mem::swap(&mut first, &mut second);
         }
+        let mut section = Self { sides, gaps, has_round_tail: round_tail, edges };
+        section.parametrise(round_tail);
+        Some(section)
+    }
+
+    /// Defines the parameters of both sides, with a round trailing edge or without. Those of sections that
+    /// the sides of a blade are laid through have to agree in it.
+    pub fn parametrise(&mut self, round_tail: bool) {
+        let at = |side: &SideCurve, share: f64| side.raw(share * side.length());
+        let sides = &self.sides;
         let thickness = |share: f64| {
             let from = at(&sides[0], share);
             (0..=200)
@@ -156,8 +228,8 @@ impl SpanSection {
         let least = 1e-4 * sides[0].length();
         let nose = (0.5 * thickness(NOSE_END)).max(least);
         let tail = round_tail.then(|| (0.5 * thickness(1.0 - NOSE_END)).max(least));
-        sides.iter_mut().for_each(|s| s.parametrise(nose, tail));
-        Some(Self { sides, gaps, has_round_tail: round_tail })
+        self.has_round_tail = round_tail;
+        self.sides.iter_mut().for_each(|s| s.parametrise(nose, tail));
     }
 }
 
@@ -259,9 +331,10 @@ struct SplitSlice {
     first: Vec<SlicePoint>,
     second: Vec<SlicePoint>,
     round_tail: bool,
+    edges: [EdgeKind; 2],
 }
 
-fn split(cut: &SlicePiece) -> Option<SplitSlice> {
+fn split(cut: &SlicePiece, rule: SplitRule) -> Option<SplitSlice> {
     let points = &cut.points;
     let n = points.len();
     if n < FEWEST {
@@ -293,9 +366,26 @@ fn split(cut: &SlicePiece) -> Option<SplitSlice> {
         None
     };
     // Faces of its own tell it best.
-    let faces = EndFaces::find(points, &step, lowest).and_then(|faces| faces.middle(points, &step));
+    let as_found = rule.begin == BeginRule::AsFound;
+    let faces = if as_found { EndFaces::find(points, &step, lowest) } else { None };
+    let is_corner = faces.is_some_and(|faces| faces.from == faces.to);
+    let faces = faces.and_then(|faces| faces.middle(points, &step));
+    let edges = if as_found { [edge_from(true), edge_from(false)] } else { [None; 2] };
+    let line = match rule.begin {
+        BeginRule::AsFound => find_nose_seam(points, &step, lowest),
+        BeginRule::AtLine => Some(find_nose_line(points, &step, lowest)?),
+        BeginRule::AtForemost => None,
+        BeginRule::Near(place) => nearest_line(points, &place),
+    };
+    let beginning = match (&faces, edges, line) {
+        (Some(_), ..) if is_corner => EdgeKind::Line,
+        (None, [Some(a), Some(b)], _) if a == b => EdgeKind::Line,
+        (Some(_), ..) | (None, [Some(_), Some(_)], _) => EdgeKind::Face,
+        (.., Some(_)) => EdgeKind::Line,
+        _ => EdgeKind::Round,
+    };
     let mut starts = [lowest; 2];
-    let leading = match (faces, edge_from(true), edge_from(false)) {
+    let leading = match (faces, edges[0], edges[1]) {
         (Some((middle, beside)), ..) => {
             starts = beside;
             middle
@@ -311,7 +401,7 @@ fn split(cut: &SlicePiece) -> Option<SplitSlice> {
                 chord_offset_mm: 0.0,
             }
         }
-        _ => match find_nose_seam(points, &step, lowest) {
+        _ => match line {
             Some(seam) => {
                 starts = [seam; 2];
                 points[seam]
@@ -319,9 +409,12 @@ fn split(cut: &SlicePiece) -> Option<SplitSlice> {
             None => refine_extreme(points, lowest, &step, 1.0),
         },
     };
-    let flat_tail = flat_tail(points, &step, high - NEAR_TAIL * range);
     let highest = (0..n).max_by(|&a, &b| points[a].along.total_cmp(&points[b].along))?;
-    let tail = EndFaces::find(points, &step, highest);
+    let flat_tail = flat_tail(points, &step, high - NEAR_TAIL * range);
+    let tail = match rule.end {
+        Some(place) => nearest_line(points, &place).map(|at| EndFaces { from: at, to: at }),
+        None => EndFaces::find(points, &step, highest),
+    };
     let side = |forward: bool| {
         let mut line = vec![leading];
         let start = starts[usize::from(!forward)];
@@ -350,14 +443,20 @@ fn split(cut: &SlicePiece) -> Option<SplitSlice> {
                     break;
                 }
             }
-            if round && points[at].along < p.along && p.along > high - 0.02 * range && k > n / 8 {
+            // A round trailing edge may have its corner, where both sides meet, beside its hindmost point.
+            if round
+                && tail.is_none()
+                && points[at].along < p.along
+                && p.along > high - 0.02 * range
+                && k > n / 8
+            {
                 break;
             }
         }
         (line, round)
     };
     let ((mut first, round_first), (mut second, round_second)) = (side(true), side(false));
-    let round_tail = round_first && round_second;
+    let mut round_tail = round_first && round_second;
     if round_tail {
         let trailing = refine_extreme(points, highest, &step, -1.0);
         for line in [&mut first, &mut second] {
@@ -365,7 +464,28 @@ fn split(cut: &SlicePiece) -> Option<SplitSlice> {
             line.push(trailing);
         }
     }
-    (first.len() > 1 && second.len() > 1).then_some(SplitSlice { first, second, round_tail })
+    let end = match tail {
+        Some(tail) if tail.from == tail.to => EdgeKind::Line,
+        None if round_tail => EdgeKind::Round,
+        _ => EdgeKind::Face,
+    };
+    let turns_back =
+        |line: &[SlicePoint]| line.last().is_some_and(|end| extent(line).1 - end.along > BACK * range);
+    round_tail |= end == EdgeKind::Line && (turns_back(&first) || turns_back(&second));
+    let edges = [beginning, end];
+    (first.len() > 1 && second.len() > 1).then_some(SplitSlice { first, second, round_tail, edges })
+}
+
+/// The point of a seam or a corner that is nearest to `place`, or, where none is near it, the nearest of all.
+fn nearest_line(points: &[SlicePoint], place: &Point) -> Option<usize> {
+    let off = |i: &usize| (points[*i].point - place).norm();
+    let nearest = |keep: &dyn Fn(&SlicePoint) -> bool| {
+        (0..points.len()).filter(|i| keep(&points[*i])).min_by(|a, b| off(a).total_cmp(&off(b)))
+    };
+    let any = nearest(&|_| true)?;
+    let about = |i: usize| (points[(i + 1) % points.len()].point - points[i].point).norm();
+    let reach = off(&any) + LINE_NEAR * about(any);
+    nearest(&|p| p.edge || p.seam).filter(|line| off(line) < reach).or(Some(any))
 }
 
 /// The seams at both ends of a trailing edge that is nearly flat and has a face of its own: its corners may
@@ -457,7 +577,8 @@ mod tests {
                 SlicePoint { point: Point::new(x, y, 0.0), along: x, edge: false, seam, chord_offset_mm: 0.0 }
             })
             .collect();
-        let split = split(&SlicePiece { points, closed: true }).expect("it has two sides");
+        let split =
+            split(&SlicePiece { points, closed: true }, SplitRule::AS_FOUND).expect("it has two sides");
         assert!(!split.round_tail);
         let ends = [split.first, split.second].map(|side| side.last().map(|p| (p.point.x, p.point.y.abs())));
         assert_eq!(ends, [Some((40.5, 0.5)); 2]);

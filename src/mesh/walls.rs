@@ -83,7 +83,8 @@ pub fn fit_walls(
         _ => main.places(size / PLACES),
     };
     let mut corners = unless_few(all.iter().filter(|p| !buried(p)).copied().collect(), all);
-    let mut course = Course::from_blades(&corners, hub, |_| true);
+    let bodies: Vec<&MeshSurface> = std::iter::once(hub).chain(shroud).collect();
+    let mut course = Course::from_blades(&corners, hub, |_| true).along_walls(&bodies, &corners);
     let mut hub_curve = fit_revolved(hub, &course, (&corners, &*normals), "hub", tolerance)?;
     let through = |profile: &FittedProfile| MeridionalCurve::through(&profile.points);
     if let Some(cover) = &outlines[1] {
@@ -97,7 +98,7 @@ pub fn fit_walls(
         let within: Vec<Meridional> = corners.iter().filter(|p| !beyond(p)).copied().collect();
         if within.len() < corners.len() && within.len() >= FEWEST {
             corners = within;
-            course = Course::from_blades(&corners, hub, |_| true);
+            course = Course::from_blades(&corners, hub, |_| true).along_walls(&bodies, &corners);
             hub_curve = fit_revolved(hub, &course, (&corners, &*normals), "hub", tolerance)?;
         }
     }
