@@ -262,12 +262,13 @@ fn no_room([narrowest, widest]: [f64; 2], thinnest: f64, allowance: f64) -> Setu
     )
 }
 
-/// Minimum and maximum distance between the walls of the channel, beside splitters where there are some, mm.
+/// Minimum and maximum over s of the least distance between the walls of the channel, beside splitters where
+/// there are some, mm.
 fn widths(part: &Impeller, channel: &Channel) -> [f64; 2] {
     let along = |passage: &Passage, from: f64, to: f64| {
         let width = PassageWidth::new(part, passage);
         (0..=STATIONS)
-            .map(|i| width.min_width(from + (to - from) * i as f64 / STATIONS as f64))
+            .map(|i| width.least(from + (to - from) * i as f64 / STATIONS as f64))
             .filter(|width| width.is_finite())
             .fold([f64::INFINITY, 0.0], |[least, most], width| [least.min(width), f64::max(most, width)])
     };

@@ -4,6 +4,9 @@ use super::channel::{Passage, Wall};
 use super::impeller::Impeller;
 use super::probe::SideProbe;
 
+/// Number of steps from hub to shroud at which widths are measured.
+const HEIGHTS: u32 = 4;
+
 /// Measures the width of a passage.
 #[derive(Debug)]
 pub struct PassageWidth<'a> {
@@ -40,6 +43,15 @@ impl<'a> PassageWidth<'a> {
 
     /// Least width at `s` between hub and shroud, mm; infinite where the walls do not reach.
     pub fn min_width(&self, s: f64) -> f64 {
-        (0..=4).filter_map(|j| self.at(s, f64::from(j) / 4.0)).fold(f64::INFINITY, f64::min)
+        (0..=HEIGHTS)
+            .filter_map(|j| self.at(s, f64::from(j) / f64::from(HEIGHTS)))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Least distance at `s` between the walls, from hub to shroud and from either wall, mm; infinite where
+    /// they do not reach.
+    pub fn least(&self, s: f64) -> f64 {
+        let distances = (0..=HEIGHTS).flat_map(|j| self.from_walls(s, f64::from(j) / f64::from(HEIGHTS)));
+        distances.flatten().fold(f64::INFINITY, f64::min)
     }
 }

@@ -225,8 +225,7 @@ impl<'a> Surveyor<'a> {
         };
         for index in self.channel.passages_at(s) {
             let (passage, width) = (&self.channel.passages[index], &self.widths[index]);
-            let widths: [Option<f64>; 5] = std::array::from_fn(|j| width.at(s, j as f64 / 4.0));
-            let narrowest = widths.into_iter().flatten().fold(f64::INFINITY, f64::min);
+            let narrowest = width.min_width(s);
             let axis = |s: f64, lambda: f64| self.axis(passage, s, lambda);
             let depth = axis(s, 0.5).map_or_else(|| self.depth(s), |[foot, top]| (top - foot).norm());
             for lambda in [0.0, 0.5, 1.0] {

@@ -181,7 +181,7 @@ impl Setup {
         let (mut width, mut height) = (f64::INFINITY, f64::INFINITY);
         for i in 0..=STATIONS {
             let s = f64::from(i) / f64::from(STATIONS);
-            width = widths.iter().map(|passage| passage.min_width(s)).fold(width, f64::min);
+            width = widths.iter().map(|passage| passage.least(s)).fold(width, f64::min);
             // Near the leading edge, where hub and shroud may meet, there is nothing to cut.
             if (0.1..=1.0).contains(&s) {
                 height = height.min(part.hub.point(s).distance(part.shroud.point(s)));
