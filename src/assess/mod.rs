@@ -114,10 +114,10 @@ impl Assessment {
         self.depths.iter().map(|d| d.1).fold(f64::NAN, f64::max)
     }
 
-    /// Minimum and maximum distance between the walls of all passages, mm, including that between main blades
-    /// beside a splitter; NaN where none could be measured.
+    /// Minimum and maximum width of all passages, mm, including that between main blades beside a splitter;
+    /// NaN where none could be measured.
     pub fn width_range(&self) -> (f64, f64) {
-        let widths = || self.passages.iter().flat_map(PassageMeasure::all_distances);
+        let widths = || self.passages.iter().flat_map(PassageMeasure::all_widths);
         (widths().fold(f64::NAN, f64::min), widths().fold(f64::NAN, f64::max))
     }
 

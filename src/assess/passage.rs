@@ -50,21 +50,15 @@ impl PassageBlades {
     }
 }
 
-/// Width at one station, on the hub, at mid height and on the shroud.
+/// Width at one station, mm: distance from the wall at λ = 0 to the nearest point of the one it faces, on the
+/// hub, at mid height and on the shroud. `None` ahead of the splitter, or where that wall does not extend to
+/// s.
 #[derive(Clone, Copy, Debug)]
 pub struct WidthStation {
     /// s.
     pub s: f64,
-    /// Distances from the points at η = 0, ½ and 1 of both walls to the nearest points of the facing wall,
-    /// mm. `None` ahead of the splitter, or where the wall does not extend to s.
-    pub from_walls: [[Option<f64>; 2]; 3],
-}
-
-impl WidthStation {
-    /// Widths at η = 0, ½ and 1, mm; see [`PassageWidth::at`].
-    pub fn widths(&self) -> [Option<f64>; 3] {
-        self.from_walls.map(|distances| distances.into_iter().flatten().reduce(f64::max))
-    }
+    /// At η = 0, ½ and 1.
+    pub width: [Option<f64>; 3],
 }
 
 /// Measures along one passage.
@@ -80,9 +74,9 @@ pub struct PassageMeasure {
 }
 
 impl PassageMeasure {
-    /// All measured distances between the walls, mm.
-    pub fn all_distances(&self) -> impl Iterator<Item = f64> + '_ {
-        self.widths.iter().flat_map(|station| station.from_walls).flatten().flatten()
+    /// All measured widths, mm.
+    pub fn all_widths(&self) -> impl Iterator<Item = f64> + '_ {
+        self.widths.iter().flat_map(|station| station.width).flatten()
     }
 }
 
@@ -128,11 +122,11 @@ fn measure_passage(
     let passage = &channel.passages[bounded.index];
     let widths = PassageWidth::new(part, passage);
     let width_at = |s: f64| {
-        let from_walls = [0.0, 0.5, 1.0].map(|eta| {
+        let width = [0.0, 0.5, 1.0].map(|eta| {
             let begins = begins[0] + eta * (begins[1] - begins[0]);
-            if s >= begins { widths.from_walls(s, eta) } else { [None; 2] }
+            if s >= begins { widths.from_walls(s, eta)[0] } else { None }
         });
-        WidthStation { s, from_walls }
+        WidthStation { s, width }
     };
     let pair = WallPair::new(part, passage, sides[0], sides[1]);
     let cutter_at = |s: f64| {

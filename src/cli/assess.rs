@@ -139,11 +139,8 @@ fn passage_object(passage: &PassageMeasure) -> Value {
     let widths: Vec<Value> = passage
         .widths
         .iter()
-        .filter(|w| w.widths().iter().any(Option::is_some))
-        .map(|w| {
-            let [hub, middle, tip] = w.widths();
-            json!({"s": w.s, "hub": hub, "middle": middle, "tip": tip})
-        })
+        .filter(|w| w.width.iter().any(Option::is_some))
+        .map(|w| json!({"s": w.s, "hub": w.width[0], "middle": w.width[1], "tip": w.width[2]}))
         .collect();
     let cutters: Vec<Value> = passage
         .cutters
@@ -238,14 +235,14 @@ fn passage_table(passage: &PassageMeasure, depths: &[(f64, f64)]) -> String {
     let smallest = passage.cutters.iter().min_by(|a, b| a.diameter.total_cmp(&b.diameter)).map(|c| c.s);
     let same = |a: f64, b: f64| (a - b).abs() < 1e-9;
     let shown = |x: Option<f64>| x.map_or("–".to_owned(), |x| format!("{x:.2}"));
-    for station in passage.widths.iter().filter(|w| w.widths().iter().any(Option::is_some)) {
+    for station in passage.widths.iter().filter(|w| w.width.iter().any(Option::is_some)) {
         let tenth = same((10.0 * station.s).round(), 10.0 * station.s);
         if !tenth && !smallest.is_some_and(|s| same(s, station.s)) {
             continue;
         }
         let depth = depths.iter().find(|d| same(d.0, station.s)).map(|d| d.1);
         let cutter = passage.cutters.iter().find(|c| same(c.s, station.s));
-        let [hub, middle, tip] = station.widths().map(shown);
+        let [hub, middle, tip] = station.width.map(shown);
         text += &format!(
             "{:>4.2}  {:>8}  {:>27}  {:>20}  {:>17}\n",
             station.s,

@@ -221,7 +221,7 @@ fn passage_chart(assessment: &Assessment) -> LineChart {
 /// Narrowest width (mm) along s.
 fn narrowest(passage: &PassageMeasure) -> Vec<(f64, f64)> {
     let least = |width: [Option<f64>; 3]| width.into_iter().flatten().reduce(f64::min);
-    passage.widths.iter().filter_map(|w| Some((w.s, least(w.widths())?))).collect()
+    passage.widths.iter().filter_map(|w| Some((w.s, least(w.width)?))).collect()
 }
 
 fn twist_chart(workpiece: &Workpiece, assessment: &Assessment) -> LineChart {

@@ -38,9 +38,9 @@ fn near(found: f64, wanted: f64, tolerance: f64, what: &str) {
     assert!((found - wanted).abs() <= tolerance, "{what}: {found}, not {wanted} ± {tolerance}");
 }
 
-/// Minimum and maximum width at hub (0), half way (1) or shroud (2), from the wall at λ = 0, mm.
+/// Minimum and maximum width at hub (0), half way (1) or shroud (2), mm.
 fn range(passage: &PassageMeasure, height: usize) -> (f64, f64) {
-    let widths = || passage.widths.iter().filter_map(|w| w.from_walls[height][0]);
+    let widths = || passage.widths.iter().filter_map(|w| w.width[height]);
     (widths().fold(f64::INFINITY, f64::min), widths().fold(0.0, f64::max))
 }
 
@@ -170,7 +170,7 @@ fn a_channel_between_parallel_walls_has_their_distance() {
     // At the ends, the nearest point of the other wall's plane may be beyond the edge of that wall.
     let full = found.passage([None, None]).expect("the channel");
     for station in full.widths.iter().filter(|w| (0.02..=0.98).contains(&w.s)) {
-        for width in station.widths() {
+        for width in station.width {
             near(width.expect("measured"), 24.0, 1e-6, "width");
         }
     }
