@@ -162,8 +162,8 @@ fn judge(outcome: &FlankOutcome, splitters: usize) {
     let place = format!("{splitters} splitters, {strategy:?}");
     assert!(outcome.faults.is_empty(), "{place}: {:?}", outcome.faults.first());
     let verdict = outcome.verdict.as_ref().expect("a verdict");
-    // Of two isoparametric layers most is left out beside one splitter, too, and a sixth of the walls with the
-    // cutter for the least distance between them.
+    // Of two isoparametric layers most is left out beside one splitter, too, and a sixth of the walls with
+    // the cutter for the least distance between them.
     let (max_left, max_unmilled) = match strategy {
         FlankStrategy::Isoparametric => (1.1, 0.2),
         FlankStrategy::Layers => (0.08, 0.01),
