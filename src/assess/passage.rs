@@ -124,7 +124,7 @@ fn measure_passage(
     let width_at = |s: f64| {
         let width = [0.0, 0.5, 1.0].map(|eta| {
             let begins = begins[0] + eta * (begins[1] - begins[0]);
-            if s >= begins { widths.from_walls(s, eta)[0] } else { None }
+            (s >= begins).then(|| widths.distance_from(0, s, eta)).flatten()
         });
         WidthStation { s, width }
     };

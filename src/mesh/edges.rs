@@ -29,14 +29,13 @@ pub fn find_jump(sections: &[SpanSection]) -> Option<EdgeJump> {
     let length = sections.iter().map(|s| (end_of(s, 0, 1) - end_of(s, 0, 0)).norm()).fold(0.0, f64::max);
     let mut found: Option<EdgeJump> = None;
     for (end, edge) in [(0, "leading edge"), (1, "trailing edge")] {
-        let places = |side: usize| sections.iter().map(|s| end_of(s, side, end)).collect::<Vec<Vector>>();
         let gaps: Vec<f64> = sections.iter().map(|s| s.gaps[end]).collect();
         let jump = |found: Option<(usize, f64)>, of_gap: bool| {
             let (k, size_mm) = found?;
             let at = Point::from(0.5 * (end_of(&sections[k], 0, end) + end_of(&sections[k + 1], 0, end)));
             Some(EdgeJump { is_gap: of_gap && size_mm > TEAR * length, edge, size_mm, at })
         };
-        let turns = [0, 1].map(|side| jump(largest_turn(&places(side)), false));
+        let turns = turns_of_sides(sections, end).map(|turn| jump(turn, false));
         let jumps = [jump(largest_step(&gaps), true), turns[0], turns[1]];
         for jump in jumps.into_iter().flatten().filter(|jump| jump.size_mm > JUMP * length) {
             if found.is_none_or(|f| (jump.is_gap, jump.size_mm) > (f.is_gap, f.size_mm)) {
@@ -49,11 +48,15 @@ pub fn find_jump(sections: &[SpanSection]) -> Option<EdgeJump> {
 
 /// How far the leading (0) or the trailing edge (1) jumps aside over the sections at most, mm.
 pub fn largest_jump(sections: &[SpanSection], edge: usize) -> f64 {
-    let turn = |side: usize| {
+    turns_of_sides(sections, edge).into_iter().flatten().map(|(_, off)| off).fold(0.0, f64::max)
+}
+
+/// See [`largest_turn`]: of the ends of both sides at the leading (0) or the trailing edge (1).
+fn turns_of_sides(sections: &[SpanSection], edge: usize) -> [Option<(usize, f64)>; 2] {
+    [0, 1].map(|side| {
         let places: Vec<Vector> = sections.iter().map(|s| s.sides[side].point(edge as f64).coords).collect();
-        largest_turn(&places).map_or(0.0, |(_, off)| off)
-    };
-    turn(0).max(turn(1))
+        largest_turn(&places)
+    })
 }
 
 /// The step between neighbouring values that differs most from the mean of its neighbours (extrapolated at

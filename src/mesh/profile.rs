@@ -161,14 +161,19 @@ impl Course {
     fn share_back(&self, surface: &MeshSurface, triangles: &[usize]) -> f64 {
         let (mut all, mut along) = (0.0, [0.0; 2]);
         for &t in triangles {
-            let (area, (n, _)) = (surface.area(t), meridional_normal(surface, t));
-            let across = n.r * self.across.r + n.z * self.across.z;
+            let (area, across) = (surface.area(t), self.normal_across(surface, t));
             all += area;
             if across.abs() > ALONG {
                 along[usize::from(across > 0.0)] += area;
             }
         }
         1.0 - f64::max(along[0], along[1]) / f64::max(all, 1e-300)
+    }
+
+    /// Component across the course of the normal of triangle `t`.
+    fn normal_across(&self, surface: &MeshSurface, t: usize) -> f64 {
+        let (n, _) = meridional_normal(surface, t);
+        n.r * self.across.r + n.z * self.across.z
     }
 
     /// Whether the inlet faces +Z.
@@ -481,9 +486,7 @@ fn beside_blades(
 
 /// Whether a triangle runs along the course, as opposed to a rim or a bore.
 fn follows(course: &Course, surface: &MeshSurface, t: usize) -> bool {
-    let (n, _) = meridional_normal(surface, t);
-    let across = n.r * course.across.r + n.z * course.across.z;
-    across.abs() > ALONG
+    course.normal_across(surface, t).abs() > ALONG
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 mod fit_table;
 mod wall_axis;
 
+use super::spacing::row_distance;
 use crate::geometry::{CutterSolid, Point, Vector, wrap_angle};
 use crate::part::{FinishedPart, Impeller, Passage, SideProbe, Workpiece};
 use crate::setup::{AllowanceSetup, Tool};
@@ -158,33 +159,30 @@ impl<'a> Lane<'a> {
             .then_some([low, high])
     }
 
-    /// Width between the two wall axes at `s`, on the hub and on the shroud, mm, of which gaps between rows
-    /// take the share that is theirs of λ: the distance of neighbouring rows perpendicular to the flow or to
-    /// the axis, whichever is smaller, in steps of λ; the largest beside the walls and at mid passage. The
-    /// distance from wall to wall would be another one, since rows turn with the wheel. `None` where the
-    /// cutter does not fit.
+    /// Width for rows between both wall axes at `s`, on the hub and on the shroud, mm: two rows are this
+    /// times their difference in λ apart, perpendicular to the flow or to the axis, whichever is smaller. It
+    /// is the largest of the widths beside the walls and at mid passage. The straight distance from wall to
+    /// wall would mislead, because the flow turns with the wheel. `None` where the cutter does not fit.
     pub fn width(&self, s: f64) -> Option<(f64, f64)> {
         let pair = |s: f64| {
             let (low, high) = self.guide_axes(s, s, true)?;
             self.ordered_pair(low, high)
         };
-        let (here, before) = (pair(s)?, pair(s - FLOW_STEP));
+        let here = pair(s)?;
+        // Without rows there the flow has no length, and does not count.
+        let before = pair(s - FLOW_STEP).unwrap_or(here);
         let turns = [here[1].theta_hub - here[0].theta_hub, here[1].theta_shroud - here[0].theta_shroud];
-        let widths = [0.0, 0.5, 1.0].map(|lambda| {
-            let row = between(&here, lambda);
+        let at_row = |lambda: f64| {
+            let (row, before) = (between(&here, lambda), between(&before, lambda));
             let (foot, axis) = self.line(&row);
-            let before = before.as_ref().map(|before| between(before, lambda));
-            let ends = |point: Point, before: Option<Point>, turn: f64| {
-                let gap = Vector::new(-point.y, point.x, 0.0) * turn;
-                let across = |along: Vector| (gap - along * gap.dot(&along)).norm();
-                let flow = before.and_then(|before| (before - point).try_normalize(1e-9));
-                flow.map_or(across(axis), |flow| across(axis).min(across(flow)))
+            let distance = |point: Point, before: Point, turn: f64| {
+                row_distance(Vector::new(-point.y, point.x, 0.0) * turn, before - point, axis)
             };
-            let hub = ends(foot, before.as_ref().map(|row| self.hub_point(row)), turns[0]);
-            let top = before.as_ref().map(|row| self.shroud_point(row));
-            (hub, ends(self.shroud_point(&row), top, turns[1]))
-        });
-        widths.into_iter().reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)))
+            let hub = distance(foot, self.hub_point(&before), turns[0])?;
+            Some((hub, distance(self.shroud_point(&row), self.shroud_point(&before), turns[1])?))
+        };
+        let widths = [0.0, 0.5, 1.0].into_iter().filter_map(at_row);
+        widths.reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)))
     }
 
     /// Lean of `wall` at `s`: angle of the conventional axis along it to the hub normal, across the wall,

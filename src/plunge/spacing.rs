@@ -1,5 +1,6 @@
 //! Largest distances between plunges: along a row, between rows on the hub, and at the shroud.
 
+use crate::geometry::Vector;
 use crate::setup::cutting_data::step_by_stick_out;
 use crate::setup::{PlungeSetup, Tool};
 
@@ -38,6 +39,16 @@ pub fn scallop_step(plunge: &PlungeSetup, tool: &Tool) -> f64 {
 /// Maximum stepover between rows on the hub, mm.
 pub fn stepover(plunge: &PlungeSetup, tool: &Tool) -> f64 {
     plunge.stepover.unwrap_or_else(|| default_stepover(tool))
+}
+
+/// Distance of rows that are `gap` apart: perpendicular to the flow or to the axis, whichever is smaller, mm.
+/// `None` where neither of these has a length.
+pub fn row_distance(gap: Vector, flow: Vector, axis: Vector) -> Option<f64> {
+    let across = |along: Vector| {
+        let along = along.try_normalize(1e-9)?;
+        Some((gap - along * gap.dot(&along)).norm())
+    };
+    [across(flow), across(axis)].into_iter().flatten().reduce(f64::min)
 }
 
 /// Maximum distance of neighbouring axes at the shroud without uncut stock between them, mm.

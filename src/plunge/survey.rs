@@ -4,8 +4,9 @@
 use rayon::prelude::*;
 
 use super::lane::Lane;
+use super::spacing::row_distance;
 use crate::cutting::assembly::AssemblySurroundings;
-use crate::geometry::{Point, Vector};
+use crate::geometry::Point;
 use crate::part::{Channel, Impeller, Passage, PassageWidth, Workpiece};
 use crate::setup::{AllowanceSetup, Setup, Tool};
 
@@ -28,8 +29,8 @@ pub struct PassageExtent {
     pub passage: usize,
     /// Minimum width over the height, mm.
     pub narrowest: f64,
-    /// Width on the hub, perpendicular to the flow or to the axis, whichever is smaller, mm: of which gaps
-    /// between rows take the share that is theirs of λ.
+    /// Width for rows on the hub, mm: two rows are this times their difference in λ apart, perpendicular to
+    /// the flow or to the axis, whichever is smaller.
     pub hub: f64,
     /// The same on the shroud, mm.
     pub shroud: f64,
@@ -263,13 +264,8 @@ impl<'a> Surveyor<'a> {
     fn width(&self, passage: &Passage, s: f64, eta: f64) -> Option<f64> {
         let of_row = |lambda: f64| {
             let place = passage.point(self.part, s, lambda, eta)?;
-            let gap = place.by_lambda;
-            let across = |along: Vector| {
-                let along = along.try_normalize(1e-12)?;
-                Some((gap - along * gap.dot(&along)).norm())
-            };
             let [foot, top] = self.axis(passage, s, lambda)?;
-            [across(place.by_s), across(top - foot)].into_iter().flatten().reduce(f64::min)
+            row_distance(place.by_lambda, place.by_s, top - foot)
         };
         [0.0, 0.5, 1.0].into_iter().filter_map(of_row).reduce(f64::max)
     }

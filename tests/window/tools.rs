@@ -210,7 +210,7 @@ fn a_library_is_opened_searched_taken_into_the_setup_and_saved() {
     let library = read_library(&saved, LibraryFormat::Toml).expect("reads");
     assert_eq!(library.tools.len(), 2);
     assert_eq!(library.tools[0].tool.assembly.holder.len(), 2, "with its holder");
-    // What is no library stays as it is, even where replacing it was confirmed.
+    // A file that is not a tool library is never overwritten, even after `Replace`.
     let setup = std::fs::read_to_string(&saved).expect("reads") + "[plunge]\nstep = 2.0\n";
     for (name, text) in [("setup.toml", &*setup), ("plan.json", "{\"vanecut_plan\": 2, \"part\": \"wheel\"}")]
     {

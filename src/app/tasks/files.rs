@@ -366,8 +366,12 @@ fn write_file(task: &WriteTask, monitor: &Monitor) -> Result<Written, WriteError
         WriteTask::Setup(path, setup) => (path, write_setup_beside(setup, path).into_bytes()),
         WriteTask::Library(path, library) => {
             let is_fusion = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
-            check_replaced_library(path)?;
-            let text = if is_fusion { fusion_for(path, library)?.text } else { write_toml(library) };
+            let text = if is_fusion {
+                fusion_for(path, library)?.text
+            } else {
+                check_replaced_library(path)?;
+                write_toml(library)
+            };
             (path, text.into_bytes())
         }
         WriteTask::Cl(path, source) => {
