@@ -46,7 +46,7 @@ impl<'a> PlanContext<'a> {
     /// The context without the plunges that open the blank, which are planned in it.
     pub fn new(workpiece: &'a Workpiece, setup: &'a Setup, density: RowDensity) -> Self {
         let layout = |section: &SectionSetup| match section.kind {
-            SectionKind::Rows => section_layout(workpiece, setup, section),
+            SectionKind::Rows => section_layout(workpiece, setup, section, density),
             SectionKind::Rest | SectionKind::Opening => Ok(Vec::new()),
         };
         let sections = &setup.plunge.sections;

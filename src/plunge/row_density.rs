@@ -1,6 +1,6 @@
 //! How closely `minimal` places its rows and the plunges in them.
 
-use super::spacing::step_limit;
+use super::spacing::{max_shroud_spacing, step_limit, stepover};
 use crate::setup::{PlungeSetup, Tool};
 
 /// How closely `minimal` places its rows and the plunges in them.
@@ -10,7 +10,8 @@ pub enum RowDensity {
     /// steps with a reserve to the insert width.
     #[default]
     Dense,
-    /// For a plan in less time: no such rows, and steps up to the whole insert width.
+    /// For a plan in less time: no such rows, those there are as far apart as cut without stock between them,
+    /// and steps up to the whole insert width.
     Sparse,
 }
 
@@ -18,6 +19,15 @@ impl RowDensity {
     /// Whether a row is inserted beside walls that lean over the channel.
     pub(super) fn has_rows_beside_walls(self) -> bool {
         self == Self::Dense
+    }
+
+    /// Maximum distance of rows on the hub, mm; see [`stepover`]. A stepover of the setup always holds.
+    pub(super) fn stepover(self, plunge: &PlungeSetup, tool: &Tool) -> f64 {
+        if self == Self::Dense || plunge.stepover.is_some() {
+            stepover(plunge, tool)
+        } else {
+            max_shroud_spacing(tool)
+        }
     }
 
     /// Upper limit of the step along a row, mm; see [`step_limit`]. A step of the setup always holds.

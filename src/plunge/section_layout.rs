@@ -8,7 +8,8 @@ use rayon::prelude::*;
 use super::error::PlanError;
 use super::lane::Lane;
 use super::row::{Runs, Station};
-use super::spacing::{max_shroud_spacing, stepover};
+use super::row_density::RowDensity;
+use super::spacing::max_shroud_spacing;
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::part::{Division, Passage, Workpiece};
 use crate::setup::{SectionSetup, Setup, Tool, tool_of};
@@ -90,6 +91,7 @@ struct SectionGround<'a, 's> {
     workpiece: &'a Workpiece,
     setup: &'s Setup,
     tool: &'s Tool,
+    density: RowDensity,
 }
 
 impl<'a> SectionGround<'a, '_> {
@@ -175,7 +177,7 @@ impl<'a> SectionGround<'a, '_> {
     /// on the hub nor the distance that leaves uncut stock at the shroud. Empty where the cutter fits
     /// nowhere.
     fn row_lambdas(&self, lane: &Lane, stretch: &PassageStretch) -> Vec<f64> {
-        let spacing = stepover(&self.setup.plunge, self.tool);
+        let spacing = self.density.stepover(&self.setup.plunge, self.tool);
         let widths: Vec<Option<(f64, f64)>> =
             (0..=8).into_par_iter().map(|i| lane.width(stretch.s_at(f64::from(i) / 8.0))).collect();
         let mut gaps = 0.0f64;
@@ -195,7 +197,7 @@ impl<'a> SectionGround<'a, '_> {
     }
 }
 
-/// Layout of a section.
+/// Layout of a section, with rows of this `density`.
 ///
 /// # Errors
 /// When the section's tool is missing.
@@ -203,9 +205,10 @@ pub(super) fn section_layout<'a>(
     workpiece: &'a Workpiece,
     setup: &Setup,
     section: &SectionSetup,
+    density: RowDensity,
 ) -> Result<Vec<StretchLayout<'a>>, PlanError> {
     let tool = tool_of(setup, section.tool)?;
-    let ground = SectionGround { workpiece, setup, tool };
+    let ground = SectionGround { workpiece, setup, tool, density };
     let layouts = ground.stretches(section).into_iter().map(|stretch| {
         let lane = ground.lane(stretch.passage);
         let floor = setup.allowances.hub_allowance + tool.corner_radius;

@@ -61,7 +61,7 @@ fn warm_start_section(
     let own;
     let layouts = match context.layouts(index)? {
         [] => {
-            own = section_layout(context.workpiece, context.setup, section)?;
+            own = section_layout(context.workpiece, context.setup, section, context.density)?;
             &own
         }
         layouts => layouts,

@@ -95,7 +95,7 @@ pub(in crate::plunge) fn rest_section(
     monitor: &Monitor,
 ) -> Result<SectionCut, PlanError> {
     let section = context.section(index);
-    let layouts = section_layout(context.workpiece, context.setup, section)?;
+    let layouts = section_layout(context.workpiece, context.setup, section, context.density)?;
     let above = Some(rest_threshold(tool_of(context.setup, section.tool)?));
     let left_in_plan = MAX_POSITIONS_WITH_EXTRAS.saturating_sub(columns.len());
     let mut cut = SectionCut::empty(section.direction(), columns);
