@@ -12,6 +12,9 @@ use crate::tradeoff::PlanClock;
 const STARVED_UNCUT: f64 = 0.05;
 /// Share of that which another order has to leave at most.
 const MUCH_LESS: f64 = 0.8;
+/// What another direction is expected to leave where this one leaves less than the conventional plan, as a
+/// multiple of that: what is known is kept.
+const UNKNOWN: f64 = 1.05;
 
 /// Whether the sections of `resolved` can be cut in another order than theirs.
 pub(super) fn has_other_orders(resolved: &Resolved) -> bool {
@@ -83,20 +86,27 @@ fn uncut_where_planned(outcome: &PlanOutcome, result: &PolicyResult) -> f64 {
 
 /// The s at which rows from the outlet and rows from the inlet should meet; `None` where that promises
 /// little. What a plan leaves of the floor by rows in the same direction is known. In the other direction,
-/// where they may not starve, it is expected to be what the conventional plan leaves, which ignores contact.
+/// where they may not starve, it is expected to be what the conventional plan leaves, which ignores contact,
+/// or as much as now.
 fn meeting_s(outcome: &PlanOutcome, minimal: &PolicyResult) -> Option<f64> {
     let grid = &outcome.grid;
     let (here, free) = (uncut_areas(grid, &minimal.field), uncut_areas(grid, &outcome.before.field));
-    let left_by = |direction: CutDirection, row: usize| {
+    let ways_at = |row: usize| {
         let s = grid.s_of_row(row);
-        let mut sections = minimal.plan.sections.iter().filter(|section| has_rows_at(section, s));
-        if sections.any(|section| section.feed == direction) { here[row] } else { free[row] }
+        let planned = minimal.plan.sections.iter().filter(|section| !section.is_unfinished());
+        planned.filter(|section| has_rows_at(section, s)).map(|section| section.feed).collect::<Vec<_>>()
+    };
+    let ways: Vec<Vec<CutDirection>> = (0..grid.rows).map(ways_at).collect();
+    let left_by = |direction: CutDirection, row: usize| match ways[row].contains(&direction) {
+        true => here[row],
+        false => free[row].min(UNKNOWN * here[row]),
     };
     let left: Vec<[f64; 2]> = (0..grid.rows)
         .map(|row| [CutDirection::InletToOutlet, CutDirection::OutletToInlet].map(|way| left_by(way, row)))
         .collect();
+    let now: f64 = (0..grid.rows).map(|row| if ways[row].is_empty() { free[row] } else { here[row] }).sum();
     let (rows, least) = best_meeting(&left);
-    (least <= MUCH_LESS * here.iter().sum::<f64>()).then_some(rows as f64 / grid.rows as f64)
+    (least <= MUCH_LESS * now).then_some(rows as f64 / grid.rows as f64)
 }
 
 /// Whether `section` cuts rows at `s`.

@@ -41,9 +41,10 @@ pub fn arrange(workpiece: &Workpiece, mut resolved: Resolved) -> Resolved {
 
 /// `resolved` with its chosen sections of rows cut from both ends of the channel, for a plan whose rows
 /// starve: those outside `s` from the outlet inwards, those inside from the inlet outwards, the innermost
-/// first. The section across `s` is divided there, unless less than [`MIN_SECTION_S`] would remain on one
-/// side. If s is 1, all are cut from the inlet, if it is 0 from the outlet. Returns `None` if this is the
-/// order of `resolved`, or if there is a single section (it tries both directions anyway).
+/// first. Of several outside, that at `s` is the last of all: between floor that is cut on both sides more of
+/// its cores are free. The section across `s` is divided there, unless less than [`MIN_SECTION_S`] would
+/// remain on one side. If s is 1, all are cut from the inlet, if it is 0 from the outlet. Returns `None` if
+/// this is the order of `resolved`, or if there is a single section (it tries both directions anyway).
 pub fn from_both_ends(resolved: &Resolved, s: f64) -> Option<Resolved> {
     let mut arranged = from_outlet(resolved);
     let rows = chosen_rows(&arranged);
@@ -68,10 +69,15 @@ pub fn from_both_ends(resolved: &Resolved, s: f64) -> Option<Resolved> {
     let outer = sections[rows.clone()].iter().take_while(|section| is_outside(section)).count();
     let (outer, inner) = (rows.start..rows.start + outer, rows.start + outer..rows.end);
     if !inner.is_empty() {
-        for index in outer {
+        for index in outer.clone() {
             sections[index].cut_direction = Some(CutDirection::OutletToInlet);
         }
-        cut_from_inlet(&mut arranged, &inner.collect::<Vec<_>>(), STARVED);
+        cut_from_inlet(&mut arranged, &inner.clone().collect::<Vec<_>>(), STARVED);
+        if outer.len() > 1 {
+            let Resolved { setup, reasons } = &mut arranged;
+            setup.plunge.sections[outer.end - 1..inner.end].rotate_left(1);
+            reasons[outer.end - 1..inner.end].rotate_left(1);
+        }
     }
     (arranged.setup.plunge.sections != resolved.setup.plunge.sections).then_some(arranged)
 }
@@ -179,6 +185,19 @@ mod tests {
         let section = |&(tool, from, to)| SectionSetup { tool, from, to, cut_direction: None, kind };
         setup.plunge.sections = sections.iter().map(section).collect();
         Resolved { setup, reasons: vec![Some("chosen".to_owned()); sections.len()] }
+    }
+
+    #[test]
+    fn the_last_section_from_the_outlet_waits_for_those_from_the_inlet() {
+        let three = chosen(&[(1, 1.0, 0.6), (2, 0.6, 0.4), (2, 0.4, 0.0)]);
+        let met = from_both_ends(&three, 0.4).expect("another order");
+        let expected = [(1, 1.0, 0.6, FROM_OUTLET), (2, 0.4, 0.0, FROM_INLET), (2, 0.6, 0.4, FROM_OUTLET)];
+        assert_eq!(order(&met), expected, "between floor that is cut on both sides");
+        assert_eq!(
+            met.reasons.iter().map(|reason| reason.as_ref().map(String::len)).collect::<Vec<_>>(),
+            [Some("chosen".len()), Some("chosen".len() + "; ".len() + STARVED.len()), Some("chosen".len()),]
+        );
+        assert_eq!(from_both_ends(&met, 0.4), None, "the order that it has");
     }
 
     /// Tool, ends and direction of the sections.

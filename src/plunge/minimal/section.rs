@@ -23,6 +23,10 @@ const CROSSING_RADII: f64 = 0.2;
 /// angles of the grid mirror each other, floor and walls are the same.
 const MIN_COST_SHARE: f64 = 0.9;
 
+/// Share of the cost of a section that cutting it in the other direction has to stay below to be taken: where
+/// both leave about as much, rows go on from where earlier sections ended, and more is added beside them.
+const TURNED_COST_SHARE: f64 = 0.95;
+
 /// Cost from which on the other direction is tried after rows of many places, in acceptable costs.
 const MAX_COST_OF_MANY: f64 = 2.0;
 
@@ -89,7 +93,7 @@ pub(in crate::plunge) fn plan_section(
             if asked.is_none() && first.cost > accepted * first.acceptable_cost && !monitor.is_stopped() =>
         {
             let limit = DirectionLimit {
-                cost: first.cost,
+                cost: TURNED_COST_SHARE * first.cost,
                 min_costs: &first.min_costs,
                 done_before: FIRST_SHARE,
                 share_of_work: SECOND_SHARE,
