@@ -6,7 +6,7 @@ use super::assembly::{
 use crate::geometry::{Meridional, Point, Vector};
 use crate::setup::{AssemblyPart, AssemblySegment, Tool};
 
-/// Least increment and largest extension of the search, mm; a whole number of mm is proposed.
+/// Least distance that a search goes on by, and largest extension, mm.
 const STEP: f64 = 0.05;
 const MAX_EXTENSION: f64 = 1000.0;
 
@@ -36,8 +36,8 @@ impl AssemblySurroundings<'_> {
             let missing =
                 missing.or_else(|| pieces().filter_map(|piece| self.shortfall(&piece, tool, pose)).next());
             if let Some(missing) = missing {
-                // A holder that is raised by some distance gains at most that.
-                overhang += missing.max(STEP);
+                // A holder that is raised by some distance gains at most that. Whole overhangs are proposed.
+                overhang = (overhang + missing.max(STEP)).ceil();
                 continue;
             }
             let whole = overhang.ceil();
