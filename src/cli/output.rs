@@ -7,7 +7,7 @@ use crate::machine::MachineTool;
 use crate::part::Impeller;
 use crate::plunge::{Breach, DropReason, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
 use crate::setup::cutting_data::CuttingData;
-use crate::setup::{CutDirection, SectionKind, Setup};
+use crate::setup::{CutDirection, SectionKind, Setup, Tool};
 use crate::stock::{CornerLimit, FloorGrid, InaccessibleFloor};
 use crate::verify::{AssemblyDistances, Fault, PlungeReport};
 
@@ -405,14 +405,15 @@ pub fn added_text(plan: &PlungePlan) -> String {
     text
 }
 
-/// A line where the material of `setup` has no cutting data; empty otherwise.
-pub fn material_text(setup: &Setup) -> String {
+/// A line where the material of `setup` has no cutting data, or some of the `tools` of a program turn much
+/// faster than these give; empty otherwise.
+pub fn material_text<'t>(setup: &Setup, tools: impl IntoIterator<Item = &'t Tool>) -> String {
     match &setup.allowances.material {
         Some(name) if setup.allowances.cutting_data().is_none() => format!(
             "no cutting data for `{name}`: speeds and feed rates stay those of the tools; known: {}\n",
             CuttingData::known_names().collect::<Vec<_>>().join(", ")
         ),
-        _ => String::new(),
+        _ => setup.allowances.too_fast(tools).map_or_else(String::new, |note| format!("{note}\n")),
     }
 }
 

@@ -11,6 +11,10 @@ const DEFAULT_FEED: f64 = 300.0;
 const DEFAULT_SPINDLE: f64 = 1200.0;
 /// Greatest spindle speed that cutting data lead to, rev/min.
 const MAX_SPINDLE: f64 = 20_000.0;
+/// A tool that turns faster than the cutting speed for its material by more than this factor is named.
+const MUCH_FASTER: f64 = 2.0;
+/// Number of such tools that are named.
+const MAX_NAMED: usize = 4;
 /// Teeth of a tool that does not say how many it has, where its feed rate comes from cutting data: the fewest
 /// that plunge quietly.
 pub const ASSUMED_TEETH: u32 = 2;
@@ -167,6 +171,27 @@ impl CuttingData {
     /// Spindle speed for a cutter of `diameter` mm, rev/min.
     pub fn spindle_for(&self, diameter: f64) -> f64 {
         spindle_at(self.cutting_speed, diameter).round().clamp(1.0, MAX_SPINDLE)
+    }
+
+    /// Says which of `tools` turn much faster than the cutting speed, and how fast; `None` where none does.
+    pub fn too_fast<'t>(&self, tools: impl IntoIterator<Item = &'t Tool>) -> Option<String> {
+        let mut fast: Vec<String> = Vec::new();
+        for tool in tools {
+            let speed = cutting_speed_at(tool.spindle, tool.diameter);
+            let text = format!("T{} {speed:.0} m/min", tool.number);
+            if speed > MUCH_FASTER * self.cutting_speed && !fast.contains(&text) {
+                fast.push(text);
+            }
+        }
+        let named = fast.get(..MAX_NAMED).unwrap_or(&fast);
+        let more = match fast.len() - named.len() {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        (!named.is_empty()).then(|| {
+            let list = named.join(", ");
+            format!("much faster than the {} m/min for {}: {list}{more}", self.cutting_speed, self.names[0])
+        })
     }
 
     /// `tool`, whose spindle speed and feed rate are for steel, with those for this material: they count as

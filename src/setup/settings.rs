@@ -61,6 +61,11 @@ impl AllowanceSetup {
         self.material.as_deref().and_then(CuttingData::of_name)
     }
 
+    /// Says which of `tools` turn much faster than the cutting data for the material give, and how fast.
+    pub fn too_fast<'t>(&self, tools: impl IntoIterator<Item = &'t Tool>) -> Option<String> {
+        self.cutting_data()?.too_fast(tools)
+    }
+
     /// The blank of `part`.
     pub fn blank_of(&self, part: &Impeller) -> Blank {
         Blank::shaped(part, self.inlet_extension, &self.blank)

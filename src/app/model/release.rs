@@ -8,7 +8,7 @@ use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent, policy_la
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::flank_skips::skipped_length;
 use crate::app::model::look::Operation;
-use crate::app::model::setup_tools::too_fast;
+use crate::app::model::problem::as_sentence;
 use crate::app::model::state::AppState;
 use crate::app::model::verdict::uncut_words;
 use crate::verify::Fault;
@@ -111,7 +111,7 @@ fn plunge_concerns(state: &AppState, each: &str) -> Vec<String> {
     if beyond > 0 {
         found.push(format!("{beyond} tool axes{each} are beyond the reach of the machine"));
     }
-    found.extend(too_fast(allowances, plan.sections.iter().map(|section| &section.tool)));
+    found.extend(allowances.too_fast(plan.sections.iter().map(|section| &section.tool)).map(as_sentence));
     if state.out_of_date() {
         found.push(STALE.to_owned());
     }

@@ -1,8 +1,8 @@
 //! What an edit of a setup changes in all of its tools: the material their rates, a new number what names it.
 
 use crate::io::tool_library::{flank_cutters, plunge_cutters};
-use crate::setup::cutting_data::{CuttingData, cutting_speed_at, fill_rates};
-use crate::setup::{AllowanceSetup, MissingRates, PlungeChange, Setup, Tool};
+use crate::setup::cutting_data::{CuttingData, fill_rates};
+use crate::setup::{MissingRates, PlungeChange, Setup, Tool};
 
 /// Gives the tools of a setup, whose material was `before`, the rates for its material now. Only rates that
 /// nobody entered follow: those of the built-in library, those that are missing, and those that followed from
@@ -56,37 +56,6 @@ fn with_rates(tool: &Tool, missing: MissingRates, material: Option<&CuttingData>
     filled.with_given_rates()
 }
 
-/// A tool that turns faster than the cutting speed for its material by more than this factor is named.
-const FAR: f64 = 2.0;
-/// Number of such tools that are named.
-const MAX_NAMED: usize = 4;
-
-/// Says which of `tools` turn much faster than the cutting data for the material of `allowances` give, and
-/// how fast.
-pub fn too_fast<'a>(
-    allowances: &AllowanceSetup,
-    tools: impl IntoIterator<Item = &'a Tool>,
-) -> Option<String> {
-    let data = allowances.cutting_data()?;
-    let mut fast: Vec<String> = Vec::new();
-    for tool in tools {
-        let speed = cutting_speed_at(tool.spindle, tool.diameter);
-        let text = format!("T{} {speed:.0} m/min", tool.number);
-        if speed > FAR * data.cutting_speed && !fast.contains(&text) {
-            fast.push(text);
-        }
-    }
-    let named = fast.get(..MAX_NAMED).unwrap_or(&fast);
-    let more = match fast.len() - named.len() {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
-    (!named.is_empty()).then(|| {
-        let list = named.join(", ");
-        format!("Much faster than the {} m/min for {}: {list}{more}", data.cutting_speed, data.names[0])
-    })
-}
-
 /// Gives the tool of `setup` of number `was` the number `is`, also where that number is named. `false` where
 /// another tool has it.
 pub fn renumber(setup: &mut Setup, was: u32, is: u32) -> bool {
@@ -130,8 +99,8 @@ mod tests {
         assert_eq!(setup.tools[0], data.scaled_from_steel(&own));
         assert_eq!(setup.tools[1], entered);
         assert_eq!(setup.tools[2].spindle, data.spindle_for(own.diameter));
-        let note = too_fast(&setup.allowances, &setup.tools).expect("one is for steel");
-        assert!(note.starts_with("Much faster than the 40 m/min for titanium: T2 11"), "{note}");
+        let note = setup.allowances.too_fast(&setup.tools).expect("one is for steel");
+        assert!(note.starts_with("much faster than the 40 m/min for titanium: T2 11"), "{note}");
         choose(&mut setup, None);
         assert_eq!(setup.tools, first);
         // Rates that are not given follow, whatever they are, and stay those that are not given.
@@ -143,7 +112,7 @@ mod tests {
         assert_eq!((tool.spindle, tool.plunge_feed), (data.spindle_for(own.diameter), entered.plunge_feed));
         assert!(tool.assembly.missing_rates.spindle && !tool.assembly.missing_rates.plunge_feed);
         choose(&mut setup, None);
-        assert_eq!(too_fast(&setup.allowances, &setup.tools), None);
+        assert_eq!(setup.allowances.too_fast(&setup.tools), None);
     }
 
     #[test]

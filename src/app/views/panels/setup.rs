@@ -11,6 +11,7 @@ use super::fields::{self, ChoiceSpec, FieldSpec};
 use super::goal::goal_rows;
 use crate::app::model::figures::{policy_label, policy_tip};
 use crate::app::model::known_goals::KnownGoals;
+use crate::app::model::problem::as_sentence;
 use crate::app::model::setup_tools;
 use crate::app::views::command::Command;
 use crate::app::views::theme::{self, Condition};
@@ -297,8 +298,8 @@ pub fn stock(ui: &mut Ui, setup: &mut Setup, defaults: &Setup) -> Option<Command
         material_row(ui, &mut setup.allowances.material);
         setup_tools::follow_material(setup, material.as_deref());
     });
-    if let Some(note) = setup_tools::too_fast(&setup.allowances, &setup.tools) {
-        let text = RichText::new(note).color(Condition::Blocked.text(ui.visuals()));
+    if let Some(note) = setup.allowances.too_fast(&setup.tools) {
+        let text = RichText::new(as_sentence(note)).color(Condition::Blocked.text(ui.visuals()));
         ui.add(egui::Label::new(text).wrap()).on_hover_text(TOO_FAST_TIP);
     }
     asks_for_file.then_some(Command::OpenBlank)
