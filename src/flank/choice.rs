@@ -41,7 +41,8 @@ pub fn selectable<'a>(setup: &'a Setup, library: &'a [Tool]) -> impl Iterator<It
 }
 
 /// The tool for `setup`: by its number, otherwise from its tools if a ball end among them fits into the
-/// channel, otherwise from `library` if one does there, otherwise the best of its tools.
+/// channel, otherwise from `library` if one does there, otherwise the best of its tools. Those of `library`
+/// have rates for steel, and get those for the material of `setup`.
 ///
 /// # Errors
 /// When neither the setup nor the library has a tool of that number, or no tool fits between the blades.
@@ -85,6 +86,7 @@ impl ChannelSpace {
     /// # Errors
     /// As [`choose_tool`].
     pub fn choose_tool(&self, setup: &Setup, library: &[Tool]) -> Result<ChosenTool, SetupFault> {
+        let library: &[Tool] = &setup.allowances.tools_for_material(library);
         if let Some(number) = setup.flank.tool {
             let tool = selectable(setup, library).find(|t| t.number == number).ok_or_else(|| {
                 SetupFault::new(

@@ -67,6 +67,11 @@ pub struct FlankPlan {
 }
 
 impl FlankPlan {
+    /// The tools of its program: that of the passes, and that of the plunges before them.
+    pub fn tools(&self) -> impl Iterator<Item = &Tool> {
+        [&self.tool].into_iter().chain(self.opening.as_ref().map(|opening| &opening.tool))
+    }
+
     /// Maximum overcut: depth cut below the blade allowance along the walls, mm.
     pub fn max_overcut(&self) -> f64 {
         self.walls.iter().map(|w| w.axes.max_overcut).fold(0.0, f64::max)

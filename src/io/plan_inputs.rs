@@ -77,11 +77,13 @@ pub fn read_plan_inputs(path: &Path) -> Result<PlanInputs, InputError> {
 
 /// Takes out of the setup of a flank plan the tool that was chosen for it: where a setup has no tools, the
 /// file has that one alone, and plunges would be planned with it. Its number names it among the tools of the
-/// program.
+/// program. Plans of former versions have rates for steel, whatever the material.
 fn leave_out_chosen_tool(setup: &mut Setup) {
+    let rated = setup.allowances.tools_for_material(flank_cutters());
+    let mut known = flank_cutters().iter().chain(rated.iter());
     if let [tool] = &setup.tools[..]
         && setup.flank.tool == Some(tool.number)
-        && flank_cutters().iter().any(|own| own.with_given_rates() == *tool)
+        && known.any(|own| own.with_given_rates() == *tool)
     {
         setup.tools.clear();
     }

@@ -86,7 +86,8 @@ impl Opener {
         machine: Option<&MachineTool>,
     ) -> Option<Self> {
         let own: Vec<Tool> = for_plunges(&setup.tools).cloned().collect();
-        let from = if own.is_empty() { plunge_cutters() } else { &own };
+        let library = setup.allowances.tools_for_material(plunge_cutters());
+        let from: &[Tool] = if own.is_empty() { &library } else { &own };
         let mut setup = setup.clone();
         let step = OPENING_STEP_RADII * tool.radius();
         setup.plunge.step = Some(setup.plunge.step.map_or(step, |given| given.min(step)));

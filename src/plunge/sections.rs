@@ -67,11 +67,7 @@ pub fn resolve(
     let given = !setup.tools.is_empty();
     let mut resolved = setup.clone();
     if !given {
-        // The tools of the library are for steel.
-        resolved.tools = match setup.allowances.cutting_data() {
-            Some(data) => library.iter().map(|tool| data.scaled_from_steel(tool)).collect(),
-            None => library.to_vec(),
-        };
+        resolved.tools = setup.allowances.tools_for_material(library).into_owned();
     }
     let mut reasons = vec![None; setup.plunge.sections.len()];
     if setup.plunge.sections.is_empty() {

@@ -1,5 +1,6 @@
 //! The setup: allowances, clearances, tools and planner parameters. Keys as in the TOML file.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::channel_settings::ChannelSetup;
@@ -64,6 +65,15 @@ impl AllowanceSetup {
     /// Says which of `tools` turn much faster than the cutting data for the material give, and how fast.
     pub fn too_fast<'t>(&self, tools: impl IntoIterator<Item = &'t Tool>) -> Option<String> {
         self.cutting_data()?.too_fast(tools)
+    }
+
+    /// The tools of a `library`, whose rates are for steel, with those for the material; as they are where it
+    /// has no data.
+    pub fn tools_for_material<'t>(&self, library: &'t [Tool]) -> Cow<'t, [Tool]> {
+        match self.cutting_data() {
+            Some(data) => library.iter().map(|tool| data.scaled_from_steel(tool)).collect(),
+            None => library.into(),
+        }
     }
 
     /// The blank of `part`.

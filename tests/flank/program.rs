@@ -11,6 +11,7 @@ use vanecut::io::read_part;
 use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use vanecut::monitor::Monitor;
 use vanecut::part::{BlankShape, Impeller};
+use vanecut::setup::cutting_data::{CuttingData, cutting_speed_at};
 use vanecut::setup::{FlankStrategy, Setup};
 use vanecut::stock::solid::{SolidBlank, SolidProgram, SolidStock, ToolPart};
 use vanecut::toolpath::ClProgram;
@@ -112,6 +113,36 @@ fn a_cylinder_is_opened_before_the_passes_and_these_are_planned_as_without_it() 
     // Approaches go down along the axis of a ball, whose middle meets the steps that flat plunges leave above
     // the shroud.
     assert!(met.iter().all(|contact| contact.part == ToolPart::Core), "{met:?}");
+}
+
+/// The tools of the library are for steel: in another material they turn as its cutting data ask for.
+#[test]
+fn tools_of_the_library_have_the_rates_of_the_material() {
+    let of_material = |material: Option<&str>| {
+        planned(&request("pump6.toml", |setup| {
+            setup.flank.strategy = FlankStrategy::Regions;
+            setup.flank.layer_depth = 16.0;
+            setup.allowances.blank = BlankShape::Turned;
+            setup.allowances.material = material.map(str::to_owned);
+        }))
+    };
+    let [unnamed, steel, titanium] = [None, Some("steel"), Some("titanium")].map(of_material);
+    let text = |outcome: &FlankOutcome| write_apt(&outcome.program());
+    assert!(text(&unnamed) == text(&steel), "as the library has them");
+    let data = CuttingData::of_name("titanium").expect("known");
+    let named = |outcome: &FlankOutcome, setup: &Setup| {
+        setup.allowances.too_fast(outcome.plan.tools()).unwrap_or_default()
+    };
+    assert_eq!(named(&titanium, &titanium.setup), "");
+    assert!(named(&steel, &titanium.setup).starts_with("much faster than the 40 m/min for titanium: T"));
+    let tools = |outcome: &FlankOutcome| outcome.plan.tools().cloned().collect::<Vec<_>>();
+    let [steel, titanium] = [tools(&steel), tools(&titanium)];
+    assert_eq!((steel.len(), titanium.len()), (2, 2), "the ball, and what opens the cylinder");
+    for tool in &titanium {
+        let speed = cutting_speed_at(tool.spindle, tool.diameter);
+        assert!((speed - data.cutting_speed).abs() < 0.02 * data.cutting_speed, "T{} {speed}", tool.number);
+    }
+    assert_eq!(titanium[0], data.scaled_from_steel(&steel[0]));
 }
 
 #[test]

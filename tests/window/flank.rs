@@ -17,6 +17,7 @@ use vanecut::drawing::flank::{FlankColours, wall_deviations, wall_scale_end};
 use vanecut::flank::choice::selectable;
 use vanecut::flank::region::Region;
 use vanecut::flank::{UncutLength, UncutReason};
+use vanecut::io::nc::Dialect;
 use vanecut::io::tool_library::flank_cutters;
 use vanecut::job::flank::{FlankOutcome, FlankRequest};
 use vanecut::monitor::Monitor;
@@ -109,6 +110,21 @@ fn what_is_left_of_floor_and_walls_is_named_in_every_verdict() {
         assert_eq!(condition, Condition::Blocked);
         let concerns = release::concerns(window.state().state(), Purpose::ExportFlank { channels: 1 }, 1);
         assert!(concerns.iter().any(|text| text.starts_with(concern)), "{concerns:?}");
+    }
+}
+
+/// As of plunges: before the program leaves the window it is asked about.
+#[test]
+fn a_tool_that_turns_much_too_fast_is_named_before_the_program_is_exported() {
+    let (engine, _) = fake::engine();
+    let flank = |outcome: &mut FlankOutcome| outcome.setup.allowances.material = Some("titanium".to_owned());
+    let mut window = with_sample(fake::with_changed_flank(engine, flank));
+    plan_flank(&mut window, 10.0);
+    let nc = Purpose::ExportNc { operation: Operation::Flank, dialect: Dialect::Fanuc };
+    for purpose in [Purpose::ExportFlank { channels: 1 }, nc] {
+        let concerns = release::concerns(window.state().state(), purpose, 1);
+        let note = "Much faster than the 40 m/min for titanium: T";
+        assert!(concerns.iter().any(|text| text.starts_with(note)), "{concerns:?}");
     }
 }
 

@@ -156,6 +156,7 @@ fn flank_concerns(state: &AppState, each: &str) -> Vec<String> {
         found.push("The program could not be verified".to_owned());
     }
     found.extend(outcome.verdict.iter().flat_map(uncut_words).map(|[_, full]| full));
+    found.extend(outcome.setup.allowances.too_fast(outcome.plan.tools()).map(as_sentence));
     if state.flank_is_stale() {
         found.push(STALE.to_owned());
     }
