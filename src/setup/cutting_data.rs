@@ -10,7 +10,7 @@ pub const PLUNGE_FEED_RANGE: [f64; 2] = [0.01, 1e5];
 const DEFAULT_FEED: f64 = 300.0;
 const DEFAULT_SPINDLE: f64 = 1200.0;
 /// Greatest spindle speed that cutting data lead to, rev/min.
-const MAX_SPINDLE: f64 = 20_000.0;
+pub const MAX_SPINDLE: f64 = 20_000.0;
 /// A tool that turns faster than the cutting speed for its material by more than this factor is named.
 const MUCH_FASTER: f64 = 2.0;
 /// Number of such tools that are named.

@@ -4,6 +4,8 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::io::setup_file::read_setup;
+use vanecut::io::tool_library::plunge_cutters;
+use vanecut::setup::cutting_data::cutting_speed_at;
 use vanecut::setup::{MissingRates, Setup, Tool};
 
 use crate::fake;
@@ -31,15 +33,24 @@ fn with_tool_form() -> Window {
     window.get_by_role_and_label(Role::Button, "Edit tools and sections").click();
     window.run_steps(3);
     settle(&mut window);
-    open_tool_form(&mut window);
+    open_tool_form(&mut window, "T1  Ø30");
     window
 }
 
-/// Opens the form of tool 1 of the setup.
-fn open_tool_form(window: &mut Window) {
-    let header = window.get_all_by_label_contains("T1  Ø30").next().expect("a header").rect();
+/// Opens the form of the tool of the setup with this heading.
+fn open_tool_form(window: &mut Window, heading: &str) {
+    let header = window.get_all_by_label_contains(heading).next().expect("a header").rect();
     press(window, header.center());
     window.run_steps(10);
+}
+
+/// Chooses the material of the blank.
+fn choose_material(window: &mut Window, material: &str) {
+    window.get_by_role_and_label(Role::ComboBox, "Material").click();
+    window.run_steps(2);
+    window.get_by_label(material).click();
+    window.run_steps(3);
+    settle(window);
 }
 
 fn tool(window: &Window) -> Tool {
@@ -216,19 +227,12 @@ fn the_number_of_a_tool_changes_with_its_sections_and_none_is_given_twice() {
 #[test]
 fn speeds_that_nobody_entered_follow_the_material_and_others_are_named() {
     let mut window = with_tool_form();
-    let choose = |window: &mut Window, material: &str| {
-        window.get_by_role_and_label(Role::ComboBox, "Material").click();
-        window.run_steps(2);
-        window.get_by_label(material).click();
-        window.run_steps(3);
-        settle(window);
-    };
-    choose(&mut window, "titanium");
+    choose_material(&mut window, "titanium");
     assert_eq!((tool(&window).spindle, tool(&window).plunge_feed), (424.0, 424.0 * 2.0 * 0.08));
     assert!(!says(&window, "Much faster"));
     type_into(&mut window, ("Spindle speed", 0), "1200");
     assert!(says(&window, "Much faster than the 40 m/min for titanium: T1 113 m/min"));
-    choose(&mut window, "nickel");
+    choose_material(&mut window, "nickel");
     assert_eq!(tool(&window).spindle, 1200.0, "it was entered");
     let note = "Much faster than the 30 m/min for nickel: T1 113 m/min";
     assert!(says(&window, note));
@@ -239,6 +243,31 @@ fn speeds_that_nobody_entered_follow_the_material_and_others_are_named() {
     window.run_steps(3);
     assert_eq!(window.query_all_by_label_contains(note).count(), 2, "it is asked about, too");
     assert!(!path.exists());
+}
+
+/// A tool that was chosen for steel and made a little larger is no tool whose speed was entered.
+#[test]
+fn speeds_of_a_chosen_tool_follow_the_material_after_an_edit_of_its_diameter() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("s.toml");
+    let own = plunge_cutters().iter().find(|tool| tool.diameter == 25.0).expect("a tool");
+    let (spindle, feed) = (own.spindle, own.plunge_feed);
+    let sections = "[[plunge.section]]\ntool = 1\nfrom = 1.0\nto = 0.0\n";
+    let text = format!("[[tool]]\ndiameter = 25\nspindle = {spindle}\nplunge_feed = {feed}\n{sections}");
+    std::fs::write(&path, text).expect("writes");
+    let mut window = with_sample(fake::engine().0);
+    window.set_size(egui::vec2(1100.0, 2600.0));
+    window.state_mut().open_path(path);
+    settle(&mut window);
+    open_tool_form(&mut window, "T1  Ø25");
+    type_into(&mut window, ("Diameter", 0), "26");
+    type_into(&mut window, ("Stick-out", 0), "110");
+    let scaled = |rate: f64| (rate * 25.0 / 26.0).round();
+    assert_eq!((tool(&window).spindle, tool(&window).plunge_feed), (scaled(spindle), scaled(feed)));
+    choose_material(&mut window, "titanium");
+    let speed = cutting_speed_at(tool(&window).spindle, 26.0);
+    assert!((speed - 40.0).abs() < 1.0, "{speed} m/min");
+    assert!(!says(&window, "Much faster"));
 }
 
 /// A rate that follows from others says so, and is not written as if it were given.
@@ -253,7 +282,7 @@ fn rates_that_are_not_given_are_shown_as_such_and_stay_out_of_the_saved_setup() 
     window.set_size(egui::vec2(1100.0, 2600.0));
     window.state_mut().open_path(path);
     settle(&mut window);
-    open_tool_form(&mut window);
+    open_tool_form(&mut window, "T1  Ø30");
     let shown = |window: &Window, label: &str| {
         window.get_by_role_and_label(Role::SpinButton, label).value().expect("a text")
     };

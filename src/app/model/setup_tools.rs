@@ -1,7 +1,7 @@
 //! What an edit of a setup changes in all of its tools: the material their rates, a new number what names it.
 
 use crate::io::tool_library::{flank_cutters, plunge_cutters};
-use crate::setup::cutting_data::{CuttingData, fill_rates};
+use crate::setup::cutting_data::{CuttingData, MAX_SPINDLE, PLUNGE_FEED_RANGE, fill_rates};
 use crate::setup::{MissingRates, PlungeChange, Setup, Tool};
 
 /// Gives the tools of a setup, whose material was `before`, the rates for its material now. Only rates that
@@ -14,29 +14,70 @@ pub fn follow_material(setup: &mut Setup, before: Option<&str>) {
         return;
     }
     for tool in &mut setup.tools {
-        let built_in = plunge_cutters().iter().chain(flank_cutters());
-        let mut same = built_in.filter(|own| {
-            let missing = |tool: &Tool| tool.assembly.missing_rates;
-            own.diameter == tool.diameter && missing(tool).is_within(missing(own))
-        });
-        let rated = |own: &Tool, data: Option<&CuttingData>| {
-            data.map_or_else(|| own.clone(), |data| data.scaled_from_steel(own))
-        };
-        let rates = |tool: &Tool| (tool.spindle, tool.plunge_feed);
-        let same = same.find(|own| rates(&rated(own, was)) == rates(tool));
-        match same {
-            Some(own) => {
-                let rated = rated(own, is);
-                (tool.spindle, tool.plunge_feed) = rates(&rated);
-                tool.assembly.missing_rates = rated.assembly.missing_rates;
-            }
-            None if tool.assembly.missing_rates != MissingRates::default() => fill_rates(tool, is),
-            None => {
-                let missing = followed_rates(tool, was);
-                *tool = with_rates(tool, missing, is);
-            }
-        }
+        let before = tool.clone();
+        follow(tool, (&before, was), is);
     }
+}
+
+/// Gives a tool, whose diameter was edited from that of `before`, rates for its diameter now, as far as
+/// nobody entered them. Those of the built-in library keep cutting speed and feed per revolution.
+pub fn follow_diameter(tool: &mut Tool, before: &Tool, material: Option<&CuttingData>) {
+    let given = |tool: &Tool| (rates(tool), tool.assembly.missing_rates);
+    if tool.diameter != before.diameter && given(tool) == given(before) {
+        follow(tool, (before, material), material);
+    }
+}
+
+/// Spindle speed and plunge feed.
+fn rates(tool: &Tool) -> (f64, f64) {
+    (tool.spindle, tool.plunge_feed)
+}
+
+/// Gives `tool` rates for the material `is`, as far as nobody entered those that it had as the tool `before`
+/// in the material `was`.
+fn follow(tool: &mut Tool, (before, was): (&Tool, Option<&CuttingData>), is: Option<&CuttingData>) {
+    let missing = before.assembly.missing_rates;
+    match built_in(before, was) {
+        Some(own) => {
+            let rated = rated(own, tool.diameter, is);
+            (tool.spindle, tool.plunge_feed) = rates(&rated);
+            tool.assembly.missing_rates = rated.assembly.missing_rates;
+        }
+        None if missing != MissingRates::default() => fill_rates(tool, is),
+        None => *tool = with_rates(tool, followed_rates(before, was), is),
+    }
+}
+
+/// The tool of the built-in library whose rates `tool` has in a material: one of its diameter, or else of the
+/// nearest.
+fn built_in(tool: &Tool, material: Option<&CuttingData>) -> Option<&'static Tool> {
+    let missing = tool.assembly.missing_rates;
+    let has_rates = |own: &&Tool| {
+        missing.is_within(own.assembly.missing_rates)
+            && rates(&rated(own, tool.diameter, material)) == rates(tool)
+    };
+    let away = |own: &&Tool| (own.diameter - tool.diameter).abs();
+    let known = plunge_cutters().iter().chain(flank_cutters()).filter(has_rates);
+    known.min_by(|a, b| away(a).total_cmp(&away(b)))
+}
+
+/// A tool of the built-in library with its rates in a material and, where its `diameter` is another one, at
+/// the same cutting speed and feed per revolution.
+fn rated(own: &Tool, diameter: f64, material: Option<&CuttingData>) -> Tool {
+    let rated = material.map_or_else(|| own.clone(), |data| data.scaled_from_steel(own));
+    if diameter == own.diameter {
+        return rated;
+    }
+    let slower = own.diameter / diameter;
+    let within = |rate: f64, [least, most]: [f64; 2]| (rate * slower).round().clamp(least, most);
+    let mut resized = Tool {
+        diameter,
+        spindle: within(rated.spindle, [1.0, MAX_SPINDLE.max(rated.spindle)]),
+        plunge_feed: within(rated.plunge_feed, [1.0, PLUNGE_FEED_RANGE[1]]),
+        ..rated
+    };
+    fill_rates(&mut resized, material);
+    resized
 }
 
 /// The rates of a tool that are those of cutting data for the material `was`.
@@ -113,6 +154,38 @@ mod tests {
         assert!(tool.assembly.missing_rates.spindle && !tool.assembly.missing_rates.plunge_feed);
         choose(&mut setup, None);
         assert_eq!(setup.allowances.too_fast(&setup.tools), None);
+    }
+
+    /// A tool that was chosen, and then made larger or longer, is still one whose rates nobody entered.
+    #[test]
+    fn rates_follow_an_edited_diameter_and_then_the_material() {
+        let own = plunge_cutters().iter().find(|tool| tool.number == 52).expect("a tool").clone();
+        let mut tool = own.clone();
+        for diameter in [12.3, 12.7, 14.0, 12.7] {
+            let before = tool.clone();
+            (tool.diameter, tool.overhang) = (diameter, own.overhang + diameter);
+            follow_diameter(&mut tool, &before, None);
+        }
+        let scaled = |rate: f64| (rate * own.diameter / 12.7).round();
+        assert_eq!(rates(&tool), (scaled(own.spindle), scaled(own.plunge_feed)));
+        // As it is saved and opened again.
+        let saved = crate::io::write_setup(&Setup { tools: vec![tool.clone()], ..Setup::default() });
+        let mut setup = crate::io::setup_file::read_setup_bytes("s.toml", saved.as_bytes()).expect("opens");
+        choose(&mut setup, Some("titanium"));
+        let data = setup.allowances.cutting_data().expect("known");
+        assert_eq!(setup.tools[0].spindle, scaled(data.scaled_from_steel(&own).spindle));
+        assert_eq!(setup.allowances.too_fast(&setup.tools), None);
+        choose(&mut setup, None);
+        assert_eq!(rates(&setup.tools[0]), rates(&tool));
+        let before = tool.clone();
+        tool.diameter = own.diameter;
+        follow_diameter(&mut tool, &before, None);
+        assert_eq!(rates(&tool), rates(&own), "as the library has it");
+        // What was entered stays.
+        let entered = Tool { spindle: own.spindle + 30.0, ..own.clone() };
+        let mut tool = Tool { diameter: 12.7, ..entered.clone() };
+        follow_diameter(&mut tool, &entered, None);
+        assert_eq!(rates(&tool), rates(&entered));
     }
 
     #[test]

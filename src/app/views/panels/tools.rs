@@ -191,7 +191,9 @@ fn tools(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
         // A fault is not hidden under a closed heading.
         heading.open(is_faulty.then_some(true)).show_unindented(ui, |ui| {
             number_row(ui, tool.number, &numbers, &mut renumbered);
+            let before = tool.clone();
             field_faults::within(ui, FieldScope::Tool(k), |ui| tool_form::show(ui, tool, material));
+            setup_tools::follow_diameter(tool, &before, material);
             let delete = ui.add_enabled(!last_one, egui::Button::new("Remove tool"));
             if delete.clicked() {
                 remove = Some(k);
