@@ -179,6 +179,36 @@ fn an_impossible_size_of_a_tool_is_refused_at_its_field_with_the_cure() {
 }
 
 #[test]
+fn a_shank_that_is_too_long_is_refused_and_flutes_stay_automatic() {
+    let mut window = with_tool_form();
+    for _ in 0..2 {
+        window.get_by_role_and_label(Role::Button, "Add shank").click();
+        window.run_steps(3);
+    }
+    settle(&mut window);
+    let shank = |window: &Window| tool(window).assembly.shank.iter().map(|row| row[1]).collect::<Vec<_>>();
+    assert_eq!(
+        (tool(&window).overhang, shank(&window)),
+        (120.0, vec![60.0, 30.0]),
+        "each has half of the rest"
+    );
+    assert_eq!(tool(&window).assembly.flute_length, None);
+    // Of the two fields of a piece the second one is its length.
+    type_into(&mut window, ("Shank 2", 1), "80");
+    let refusal = "length: 80 is too much: at most 59.9 mm, as the flutes need some of the stick-out";
+    assert!(says(&window, refusal));
+    type_into(&mut window, ("Stick-out", 0), "12");
+    assert!(says(&window, "12 is too little: at least 90.1 mm"));
+    assert_eq!((tool(&window).overhang, shank(&window)), (120.0, vec![60.0, 30.0]), "as before");
+    assert_eq!(tool(&window).assembly.flute_length, None, "it follows the shank");
+    // With a length of their own the shank may be longer: that is remarked on.
+    type_into(&mut window, ("Flute length", 0), "20");
+    type_into(&mut window, ("Shank 2", 1), "80");
+    assert_eq!(shank(&window), [60.0, 80.0]);
+    assert!(says(&window, "flutes of 20 mm and shank of 140 mm are longer than the stick-out of 120 mm"));
+}
+
+#[test]
 fn a_refusal_is_over_with_another_operation_and_with_an_undone_step() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);

@@ -97,6 +97,12 @@ const RADIUS: &str = ", the radius. For more, make the diameter larger first";
 /// The same of the flute length.
 const STICK_OUT: &str = ", the stick-out. For more, make that longer first";
 
+/// The same of a piece of the shank, where the flutes have what it leaves of the stick-out.
+const FLUTES_AUTO: &str =
+    ", as the flutes need some of the stick-out. For more, make that longer or give the flute length first";
+/// Least length that the shank leaves of the stick-out to flutes without a length of their own, mm.
+const MIN_FLUTES: f64 = FLUTES.min;
+
 /// Draws the tool and its fields, and keeps what hangs together within its limits. Rates that are not given
 /// are those for the `material`.
 pub fn show(ui: &mut Ui, tool: &mut Tool, material: Option<&CuttingData>) {
@@ -114,7 +120,12 @@ pub fn show_fields(ui: &mut Ui, tool: &mut Tool, material: Option<&CuttingData>)
         fields::plain_row(ui, &mut tool.diameter, &DIAMETER);
         fields::plain_row(ui, &mut tool.insert_width, &INSERT.at_most(radius.min(INSERT.max), RADIUS));
         fields::plain_row(ui, &mut tool.corner_radius, &CORNER.at_most(radius.min(CORNER.max), RADIUS));
-        fields::plain_row(ui, &mut tool.overhang, &OVERHANG);
+        let least = match tool.assembly.flute_length {
+            None if !tool.assembly.shank.is_empty() => shank_length(tool) + MIN_FLUTES,
+            _ => OVERHANG.min,
+        };
+        let overhang = FieldSpec { min: least.max(OVERHANG.min).min(tool.overhang), ..OVERHANG };
+        fields::plain_row(ui, &mut tool.overhang, &overhang);
         let flutes = FLUTES.at_most(tool.overhang.min(FLUTES.max), STICK_OUT);
         fields::optional_row(ui, &mut tool.assembly.flute_length, &flutes, None);
         let mut teeth = tool.assembly.teeth.map(f64::from);
@@ -129,17 +140,23 @@ pub fn show_fields(ui: &mut Ui, tool: &mut Tool, material: Option<&CuttingData>)
     let overhang = tool.overhang;
     // No thinner than the cutter: one that is not looked at is not too small for the checks.
     let shank = [tool.diameter, 0.5 * overhang];
-    let rows = segments(ui, "Shank", &["diameter", "length"], &mut tool.assembly.shank, shank);
+    let room = tool.assembly.flute_length.is_none().then_some(overhang);
+    let rows = segments(ui, "Shank", &["diameter", "length"], &mut tool.assembly.shank, (shank, room));
     if let Some((at, text)) = rows.zip(beyond_stick_out(tool, units::display_units(ui))) {
         field_faults::mark(ui, at, &text, (Condition::Blocked, 1.0));
     }
     let lower = 2.0 * tool.diameter;
     let heads = ["lower diameter", "upper diameter", "length"];
-    segments(ui, "Holder", &heads, &mut tool.assembly.holder, [lower, lower, 2.0 * lower]);
+    segments(ui, "Holder", &heads, &mut tool.assembly.holder, ([lower, lower, 2.0 * lower], None));
     more_fields(ui, tool);
     fit(tool);
     // What they follow from may have been edited.
     fill_rates(tool, material);
+}
+
+/// Length of all pieces of the shank, mm.
+fn shank_length(tool: &Tool) -> f64 {
+    tool.assembly.shank.iter().map(|[_, length]| length).sum()
 }
 
 /// Row of a rate, which is automatic while it is missing.
@@ -157,7 +174,7 @@ fn beyond_stick_out(tool: &Tool, units: DisplayUnits) -> Option<String> {
     const TOLERANCE: f64 = 1e-6;
     let more = &tool.assembly;
     let flutes = more.flutes_end(tool.overhang);
-    let shank: f64 = more.shank.iter().map(|[_, length]| length).sum();
+    let shank = shank_length(tool);
     let length = |mm: f64| format!("{} {}", units.short(mm, 3), units.length_unit());
     (flutes + shank > tool.overhang + TOLERANCE).then(|| {
         format!(
@@ -231,26 +248,31 @@ fn more_fields(ui: &mut Ui, tool: &mut Tool) {
 }
 
 /// Rows of the segments of a shank or holder, from the cutter towards the spindle, with buttons to add and
-/// remove. Returns where the last one is.
+/// remove: `new` is the first one, and `room` the length below which all of them together have to stay, if
+/// any. Returns where the last one is.
 fn segments<const N: usize>(
     ui: &mut Ui,
     what: &str,
     heads: &[&str; N],
     rows: &mut Vec<[f64; N]>,
-    new: [f64; N],
+    (new, room): ([f64; N], Option<f64>),
 ) -> Option<Rect> {
     let (mut remove, mut last) = (None, None);
     let form = ui.scope_id();
     if !rows.is_empty() {
         ui.label(egui::RichText::new(format!("{what}: {}", heads.join(", "))).weak());
     }
-    for (k, row) in rows.iter_mut().enumerate() {
+    let together = |rows: &[[f64; N]]| rows.iter().filter_map(|row| row.last()).sum::<f64>();
+    for k in 0..rows.len() {
+        let left = room.map(|room| room - MIN_FLUTES - together(&rows[..k]) - together(&rows[k + 1..]));
+        let row = &mut rows[k];
         let name = format!("{what} {}", k + 1);
         let line = ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             let label = ui.label(&name);
-            for (value, head) in row.iter_mut().zip(heads) {
-                length_box(ui, form, (&name, head), value).labelled_by(label.id);
+            for (column, (value, head)) in row.iter_mut().zip(heads).enumerate() {
+                let most = left.filter(|_| column + 1 == N);
+                length_box(ui, form, (&name, head), value, most).labelled_by(label.id);
             }
             let button = ui.small_button("×").on_hover_text("Removes this piece");
             let name = format!("Remove {}", name.to_lowercase());
@@ -266,30 +288,45 @@ fn segments<const N: usize>(
         rows.remove(k);
     }
     let add = egui::Button::new(format!("Add {}", what.to_lowercase()));
-    let add = ui.add_enabled(rows.len() < MAX_SEGMENTS, add);
+    // Half of what is left is for the new piece.
+    let half = room.map(|room| 0.5 * (room - together(rows)));
+    let has_room = half.is_none_or(|half| half > MIN_FLUTES);
+    let add = ui.add_enabled(rows.len() < MAX_SEGMENTS && has_room, add);
     let tip = format!("Adds a piece towards the spindle: {}", heads.join(", "));
     if add.on_hover_text(tip).clicked() {
-        let last = rows.last().copied();
-        rows.push(last.unwrap_or(new));
+        let mut row = rows.last().copied().unwrap_or(new);
+        if let Some((length, half)) = row.last_mut().zip(half) {
+            *length = length.min(half);
+        }
+        rows.push(row);
     }
     last
 }
 
+/// Greatest length of a piece, mm.
+const MAX_PIECE: f64 = 1000.0;
 /// Value that the notes of a piece go by: it has several fields.
 const PIECE: f64 = 0.0;
 
-/// A length of a piece: `name` is that of the piece, and what the length is.
-fn length_box(ui: &mut Ui, form: Id, (name, what): (&str, &str), value: &mut f64) -> Response {
+/// A length of a piece: `name` is that of the piece, and what the length is; `most` what flutes leave for it.
+fn length_box(
+    ui: &mut Ui,
+    form: Id,
+    (name, what): (&str, &str),
+    value: &mut f64,
+    most: Option<f64>,
+) -> Response {
     ui.spacing_mut().interact_size.x = 50.0;
     let units = units::display_units(ui);
     let show = |mm: f64| format!("{} {}", units.short(mm, 3), units.length_unit());
-    let range = 0.1..=1000.0;
+    // A greater one that it has stays until it is edited.
+    let range = 0.1..=most.map_or(MAX_PIECE, |most| most.max(*value).min(MAX_PIECE));
     let limits = TypedLimits {
         quantity: Quantity::Length,
         units,
         range: range.clone(),
         why_least: "",
-        why_most: "",
+        why_most: if most.is_some() { FLUTES_AUTO } else { "" },
         show: &show,
     };
     let (shown, refused) = (units.short(*value, 3), RefCell::default());
@@ -314,8 +351,8 @@ fn length_box(ui: &mut Ui, form: Id, (name, what): (&str, &str), value: &mut f64
 pub fn fit(tool: &mut Tool) {
     tool.insert_width = tool.insert_width.min(tool.radius());
     tool.corner_radius = tool.corner_radius.min(tool.radius());
+    let shank = shank_length(tool);
     let assembly = &mut tool.assembly;
-    let shank: f64 = assembly.shank.iter().map(|[_, length]| length).sum();
     if assembly.flute_length.is_none() && shank >= tool.overhang {
         assembly.flute_length = Some(tool.diameter.min(0.5 * tool.overhang));
     }
