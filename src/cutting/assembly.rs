@@ -403,6 +403,24 @@ pub fn hub_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64
     least
 }
 
+/// The first part of `tool`, from the tip up, that is thicker than the cutter and more than `tolerance` mm in
+/// what the `earlier` plunges left of `blank`, and how deep, mm; `cutter` is where a plunge ends.
+pub fn part_in_stock(
+    tool: &Tool,
+    cutter: &CutterSolid,
+    earlier: Earlier,
+    blank: &Blank,
+    tolerance: f64,
+) -> Option<(AssemblyPart, f64)> {
+    let segments = tool.assembly.segments(tool.overhang).into_iter();
+    let thick = segments.filter(|segment| segment.radii[0].max(segment.radii[1]) > tool.radius());
+    let mut depths = thick.map(|segment| {
+        let placed = segment.placed(&cutter.tip, &cutter.axis);
+        (segment.part, depth_in_stock(&placed, earlier, None, blank))
+    });
+    depths.find(|(_, depth)| *depth > tolerance)
+}
+
 /// Height above the lower end of a slice of `frustum` up to which it is in what the `earlier` plunges and
 /// that of the `own` cutter left of `blank`, mm; 0 where it is clear.
 pub fn depth_in_stock(frustum: &Frustum, earlier: Earlier, own: Option<&CutterSolid>, blank: &Blank) -> f64 {

@@ -2,8 +2,8 @@
 //! the whole blank, or, where the blank stands above the shroud, of what earlier plunges left of it. Tools
 //! without a given shank or holder are not held to this.
 
-use super::reasons::DropReason;
-use crate::cutting::assembly::AssemblySurroundings;
+use super::reasons::{Breach, DropReason};
+use crate::cutting::assembly::{ASSEMBLY_TOLERANCE, AssemblySurroundings, part_in_stock};
 use crate::cutting::contact::Earlier;
 use crate::geometry::{Point, Vector};
 use crate::part::{Blank, FinishedPart};
@@ -11,6 +11,8 @@ use crate::setup::{AssemblyPart, AssemblySegment, Setup, Tool};
 
 /// Clearance missing by rounding that a planned position may have, mm: below what `verify` tolerates.
 const PLANNED_TOLERANCE: f64 = 5e-4;
+/// Depth in stock that is rounding, mm, as `verify` takes it.
+const STOCK_TOLERANCE: f64 = 0.01;
 
 /// Why a position is left out, and the overhang with which it could be cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,6 +83,20 @@ impl<'a> AssemblyRule<'a> {
         Some(match part {
             AssemblyPart::Shank => DropReason::Shank,
             AssemblyPart::Holder => DropReason::Holder,
+        })
+    }
+
+    /// What is too near to the finished part with the tip and axis at `pose`, or in what the plunges `until`
+    /// then left of the `blank`, by more than `verify` tolerates.
+    pub fn breach(&self, pose: (Point, Vector), until: Earlier, blank: &Blank) -> Option<Breach> {
+        let part = AssemblySurroundings { blank: None, earlier: None, ..self.around };
+        let near = || part.first_obstacle(self.tool, &self.segments, pose, ASSEMBLY_TOLERANCE);
+        let cutter = self.tool.placed(pose.0, pose.1);
+        let in_stock = || part_in_stock(self.tool, &cutter, until, blank, STOCK_TOLERANCE);
+        let part = near().or_else(|| in_stock().map(|(part, _)| part))?;
+        Some(match part {
+            AssemblyPart::Shank => Breach::Shank,
+            AssemblyPart::Holder => Breach::Holder,
         })
     }
 

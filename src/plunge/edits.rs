@@ -8,6 +8,9 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
+use super::assembly::AssemblyRule;
 use super::context::PlanContext;
 use super::edit_pose::{moved, position_at};
 use super::edit_report::{EditReport, PlungeMark, UnappliedEdit, UnappliedReason};
@@ -17,6 +20,7 @@ use super::inspect::run_around;
 use super::locked::replaced_within;
 use super::plan::{PlungePlan, Position, Unevaluated};
 use super::whole_plan::PlacedPlan;
+use crate::cutting::contact::Columns;
 use crate::geometry::Point;
 use crate::monitor::Monitor;
 use crate::setup::{PlungeChange, PlungeEdit, PlungePose, SectionKind, SetupPlace, Tool};
@@ -275,6 +279,19 @@ impl Editor<'_> {
     }
 }
 
+/// Adds where shank or holder of a plunge are in the way. What the planner places is free of that; nothing
+/// stops an edit, and what one leaves standing may be in the way of others.
+fn add_assembly_breaches(context: &PlanContext, plan: &mut PlungePlan, columns: &Columns) {
+    let rules: Vec<Option<AssemblyRule>> =
+        plan.sections.iter().map(|section| context.assembly_rule(&section.tool)).collect();
+    let blank = &context.workpiece.blank;
+    plan.positions.par_iter_mut().enumerate().for_each(|(k, position)| {
+        let (Some(rule), None) = (&rules[position.section], position.evaluation.breach) else { return };
+        let pose = (position.tip, position.axis);
+        position.evaluation.breach = rule.breach(pose, columns.before(k + 1), blank);
+    });
+}
+
 /// `plan` with `edits`, evaluated anew. A stopped monitor is ignored, as in the evaluation of every plan.
 ///
 /// # Errors
@@ -308,6 +325,7 @@ pub(super) fn edit_plan(
         context.check_count(plan.positions.len(), &last.tool, SetupPlace::Plunge("edit"))?;
     }
     let columns = plan.columns(&context.workpiece.blank);
-    let plan = evaluate(context, PlacedPlan { plan, columns }, monitor)?;
+    let mut plan = evaluate(context, PlacedPlan { plan, columns: columns.clone() }, monitor)?;
+    add_assembly_breaches(context, &mut plan, &columns);
     Ok((plan, EditReport { marks, unapplied, adds_locked }))
 }

@@ -19,19 +19,25 @@ pub enum Breach {
     Hub,
     /// It comes nearer to a blade than the allowance.
     Blade,
+    /// Its shank comes nearer to part or blank than its clearance.
+    Shank,
+    /// Its holder does.
+    Holder,
     /// The machine does not reach its axis.
     Tilt,
 }
 
 impl Breach {
     /// All of them, the gravest first.
-    pub const ALL: [Self; 3] = [Self::Blade, Self::Hub, Self::Tilt];
+    pub const ALL: [Self; 5] = [Self::Blade, Self::Hub, Self::Shank, Self::Holder, Self::Tilt];
 
     /// What is wrong, as shown to the user.
     pub fn words(self) -> &'static str {
         match self {
             Self::Hub => "closer to the hub than its allowance",
             Self::Blade => "closer to a blade than its allowance",
+            Self::Shank => "shank closer to part or blank than its clearance",
+            Self::Holder => "holder closer to part or blank than its clearance",
             Self::Tilt => "axis beyond the reach of the machine",
         }
     }

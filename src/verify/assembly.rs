@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::fault::{Fault, FaultKind, Finding};
 use super::plunges::ProgramCut;
-use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings, depth_in_stock};
+use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings, part_in_stock};
 use crate::cutting::assembly_move::AssemblyMove;
 use crate::cutting::assembly_path::PathClearance;
 use crate::cutting::contact::Columns;
@@ -307,36 +307,21 @@ pub(super) fn holder_in_stock(
     columns: &Columns,
     blank: &Blank,
 ) -> Option<Finding> {
-    let (tool, cutter) = (&cut.tool, &cut.cutter);
-    if tool.assembly.is_empty() {
-        return None;
-    }
-    for segment in tool.assembly.segments(tool.overhang) {
-        let widest = segment.radii[0].max(segment.radii[1]);
-        if widest <= tool.radius() {
-            continue;
+    let tool = &cut.tool;
+    let (part, depth) = part_in_stock(tool, &cut.cutter, columns.before(k + 1), blank, TOOL_TOLERANCE)?;
+    let (kind, help) = match part {
+        AssemblyPart::Shank => {
+            (FaultKind::ShankCollision, "cut in steps, or give a thinner shank".to_owned())
         }
-        let placed = segment.placed(&cutter.tip, &cutter.axis);
-        let depth = depth_in_stock(&placed, columns.before(k + 1), None, blank);
-        if depth > TOOL_TOLERANCE {
-            let (kind, name, help) = match segment.part {
-                AssemblyPart::Shank => {
-                    (FaultKind::ShankCollision, "shank", "cut in steps, or give a thinner shank".to_owned())
-                }
-                AssemblyPart::Holder => {
-                    let overhang = (tool.overhang + depth).ceil();
-                    let help = format!("cut in steps, or give an overhang of {overhang} mm");
-                    (FaultKind::HolderCollision, "holder", help)
-                }
-            };
-            let what = format!(
-                "the {name} of tool {} runs {depth:.1} mm into stock that no plunge before it removed",
-                tool.number
-            );
-            return Some(Finding::new(kind, depth, what).with_help(help));
+        AssemblyPart::Holder => {
+            let overhang = (tool.overhang + depth).ceil();
+            (FaultKind::HolderCollision, format!("cut in steps, or give an overhang of {overhang} mm"))
         }
-    }
-    None
+    };
+    let (name, number) = (part.name(), tool.number);
+    let what =
+        format!("the {name} of tool {number} runs {depth:.1} mm into stock that no plunge before it removed");
+    Some(Finding::new(kind, depth, what).with_help(help))
 }
 
 /// What is not judged of the tools of a program: a remark on tapered ones, and on those whose shank and

@@ -4,13 +4,16 @@ use std::f64::consts::PI;
 use std::sync::{LazyLock, Mutex};
 
 use vanecut::geometry::Vector;
+use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::setup_file::{read_setup_bytes, write_setup};
 use vanecut::job::{JobError, Listener, PlanJob, PlanOutcome, PlanRequest, PlanStage};
 use vanecut::monitor::Monitor;
 use vanecut::part::Impeller;
-use vanecut::plunge::{Planner, PlungeMark, PlungePlan, Position, UnappliedReason};
+use vanecut::plunge::{Breach, Planner, PlungeMark, PlungePlan, Position, UnappliedReason};
 use vanecut::setup::edits::add_edit;
 use vanecut::setup::{PlungeChange, PlungeEdit, PlungeMove, PlungePose, Setup};
+use vanecut::toolpath::ClProgram;
+use vanecut::verify::verify;
 
 use super::samples::sample;
 
@@ -351,4 +354,40 @@ fn a_plunge_that_cannot_retract_stays_near_the_part_and_is_reported() {
     let (radius, _) = outcome.workpiece.blank.extent();
     assert!(farthest < 40.0 * radius, "{farthest} mm away");
     assert!(summary.min_retract_clearance < outcome.setup.allowances.safety_distance);
+}
+
+/// What the planner places keeps shank and holder clear; an edit may not: then the plan says what `verify`
+/// finds.
+#[test]
+fn a_shank_that_an_edit_brings_too_near_is_a_fault_of_its_plunge() {
+    let bare = planned(&setup(&SETUP.replace("overhang = 90", "overhang = 45")), &[]).expect("a plan");
+    let with_shank = "overhang = 45\nflute_length = 16\nshank = [[20, 29]]\nholder = [[30, 30, 60]]";
+    let setup = setup(&SETUP.replace("overhang = 90", with_shank));
+    let found = planned(&setup, &[]).expect("a plan");
+    let of_assembly = |outcome: &PlanOutcome| {
+        let program = ClProgram::of_plan("wheel", &outcome.after.plan);
+        let program = read_apt_bytes("p.apt", write_apt(&program).as_bytes()).expect("reads");
+        let verdict = verify(&outcome.workpiece, &outcome.setup, &program, &Monitor::default());
+        verdict.expect("judged").faults.iter().any(|fault| fault.kind.is_of_assembly())
+    };
+    let breach = |outcome: &PlanOutcome| {
+        outcome.after.plan.positions.iter().find_map(|position| position.evaluation.breach)
+    };
+    assert_eq!((of_assembly(&found), breach(&found)), (false, None));
+    // Plunges that the planner leaves out for the shank, and others, are locked where they are without one.
+    let places = |outcome: &PlanOutcome| outcome.after.plan.positions.iter().map(pose).collect::<Vec<_>>();
+    let (all, kept) = (places(&bare), places(&found));
+    let left_out: Vec<&PlungePose> = all.iter().filter(|at| !kept.iter().any(|kept| kept.is(at))).collect();
+    let (mut clear, mut near) = (0, 0);
+    for &&plunge in left_out.iter().step_by(left_out.len() / 8) {
+        let change = PlungeChange::Lock { tool: 1, lift: 0.0 };
+        let outcome = planned(&setup, &[PlungeEdit { plunge, whole_row: false, change }]).expect("a plan");
+        match breach(&outcome) {
+            None => clear += 1,
+            Some(Breach::Shank) => near += 1,
+            Some(other) => panic!("{other:?}"),
+        }
+        assert_eq!(breach(&outcome).is_some(), of_assembly(&outcome), "{plunge:?}");
+    }
+    assert!(near > 1 && clear > 1, "{near} and {clear} edits");
 }
