@@ -437,7 +437,7 @@ fn faults_of_a_flank_program_of_several_channels_are_asked_about_and_judging_can
     settle(&mut window);
     assert!(window.query_by_label("Writing cancelled").is_none());
     window.get_by_label("Export this program?");
-    assert!(!labels(&window, "• Move ").is_empty(), "what they are");
+    assert!(!labels(&window, "• Line ").is_empty(), "what they are, by the lines of the program");
     assert!(!path.exists(), "not before the answer");
     assert!(window.state().keeps_judged_flank(), "it is not judged again");
     click_enabled(&window, "Export anyway");

@@ -140,7 +140,7 @@ fn plunge_concerns(state: &AppState, each: &str) -> Vec<String> {
 /// The first faults of a flank program, and how many more there are.
 pub fn fault_lines(faults: &[Fault]) -> Vec<String> {
     let mut lines: Vec<String> =
-        faults.iter().take(3).map(|fault| format!("Move {}: {fault}", fault.line)).collect();
+        faults.iter().take(3).map(|fault| format!("Line {}: {fault}", fault.line)).collect();
     match faults.len() - lines.len() {
         0 => {}
         1 => lines.push("1 more fault".to_owned()),
