@@ -89,6 +89,13 @@ fn sets_are_kept_compared_used_and_removed_and_undo_covers_it() {
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
     window.run_steps(2);
     assert_eq!(window.state().state().document.edited.sets, sets, "undo brings it back");
+    // Saving a variant is a step, too: undone, it is said, as the setup does not change.
+    window.get_by_label("Save as variant").click();
+    window.run_steps(4);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+    window.run_steps(2);
+    assert_eq!(window.state().state().document.edited.sets, sets);
+    window.get_by_label("Saving \"Variant 3\" is undone; Redo stores it again");
 }
 
 #[test]

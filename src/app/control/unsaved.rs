@@ -148,8 +148,15 @@ impl App {
     /// Undoes the last change: of the tool library where that came after all of the project.
     pub(in crate::app) fn undo(&mut self, ctx: &Context) {
         typed::forget(ctx);
-        if !self.library.undo(&self.state.document.edited) {
-            self.state.document.undo();
+        if self.library.undo(&self.state.document.edited) {
+            return;
+        }
+        let before = self.state.document.edited.sets.clone();
+        self.state.document.undo();
+        let sets = &self.state.document.edited.sets;
+        // A variant that is gone is seen in its panel alone, and the setup is as it was.
+        if let Some(gone) = before.get(sets.len()).filter(|_| before.starts_with(sets)) {
+            self.state.report_done(format!("Saving \"{}\" is undone; Redo stores it again", gone.name));
         }
     }
 
