@@ -215,6 +215,20 @@ fn stands_at(handle: f64, now: f64, state: &AppState) -> bool {
     !state.out_of_date() || (handle - now).abs() < SAME_TIME_MIN
 }
 
+/// What the longest time of the curve leaves, at `slowest`, against the plan that is `shown`.
+fn end_words(slowest: CurvePlace, shown: CurvePlace, length: impl Fn(f64) -> String) -> String {
+    let ends_there = (slowest.0 - shown.0).abs() < SAME_TIME_MIN;
+    // The same plan is not written twice: its stock is measured on another grid for the curve.
+    if ends_there {
+        return "where the curve ends".to_owned();
+    }
+    let takes_longer = slowest.0 > shown.0;
+    match takes_longer && (slowest.1 >= shown.1 || length(slowest.1) == length(shown.1)) {
+        true => format!("up to {:.1} min, where the curve ends, leave no less", slowest.0),
+        false => format!("the curve ends at {:.1} min with {}", slowest.0, length(slowest.1)),
+    }
+}
+
 /// What the time of the handle costs, against the `shown` plan; where that stands at the handle, what the
 /// longest time of the curve would leave.
 fn words(curve: &[CurvePlace], handle: f64, shown: Option<CurvePlace>, state: &AppState) -> String {
@@ -224,11 +238,7 @@ fn words(curve: &[CurvePlace], handle: f64, shown: Option<CurvePlace>, state: &A
     let length = |mm: f64| state.look.units.length(mm, 2);
     let (now, known) = shown.filter(|place| place.0.is_finite()).unwrap_or(slowest);
     if stands_at(handle, now, state) {
-        // The same plan is not written twice: its stock is measured on another grid for the curve.
-        let longest = match (slowest.0 - now).abs() < SAME_TIME_MIN {
-            true => "where the curve ends".to_owned(),
-            false => format!("the curve ends at {:.1} min with {}", slowest.0, length(slowest.1)),
-        };
+        let longest = end_words(slowest, (now, known), length);
         return format!(
             "{handle:.1} min per channel: hub stock {} (95 %), the shown plan; {longest}",
             length(known)
@@ -245,4 +255,25 @@ fn words(curve: &[CurvePlace], handle: f64, shown: Option<CurvePlace>, state: &A
         length(stock),
         length(known),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_end_of_the_curve_that_leaves_no_less_is_said_to() {
+        let words = |slowest, shown| end_words(slowest, shown, |mm| format!("{mm:.2} mm"));
+        assert_eq!(
+            words((107.9, 1.13), (88.3, 1.12)),
+            "up to 107.9 min, where the curve ends, leave no less"
+        );
+        assert_eq!(
+            words((107.9, 1.118), (88.3, 1.12)),
+            "up to 107.9 min, where the curve ends, leave no less"
+        );
+        assert_eq!(words((107.9, 0.98), (88.3, 1.12)), "the curve ends at 107.9 min with 0.98 mm");
+        assert_eq!(words((88.31, 1.13), (88.3, 1.12)), "where the curve ends");
+        assert_eq!(words((80.0, 1.2), (88.3, 1.12)), "the curve ends at 80.0 min with 1.20 mm");
+    }
 }
