@@ -355,6 +355,10 @@ fn a_program_for_another_control_is_recognised() {
             assert!(seems || is_alike(written) && is_alike(read), "{written} read as {read}: {error}");
         }
     }
+    for control in ["fanuc", "siemens"] {
+        let error = read_back(&machine, control, "0 BEGIN PGM P MM\n").unwrap_err().to_string();
+        assert!(error.contains("a word begins with a letter, not with `0 BEGIN PGM P MM`"), "{error}");
+    }
     // A line that no control reads is a fault of its own.
     let text = posted(&machine, &plunges(), "fanuc", OutputKind::TcpAngles).text + "?\n";
     let error = read_back(&machine, "fanuc", &text).unwrap_err();

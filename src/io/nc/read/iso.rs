@@ -32,7 +32,10 @@ pub(super) fn words(dialect: Dialect, line: &str, out: &mut Vec<NcWord>) -> Resu
             letters.push((first.to_ascii_uppercase(), x));
             rest = after.trim_start();
         } else {
-            return fault(format!("{} is not a word", quote_for_message(rest)), UNKNOWN);
+            return fault(
+                format!("a word begins with a letter, not with {}", quote_for_message(rest)),
+                UNKNOWN,
+            );
         }
     }
     for (index, (letter, _)) in letters.iter().enumerate() {

@@ -19,7 +19,12 @@ pub(super) fn words(line: &str, out: &mut Vec<NcWord>) -> Result<(), NcFault> {
         let name_end = rest.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len());
         let (name, after) = rest.split_at(name_end);
         rest = match name.to_ascii_uppercase().as_str() {
-            "" => return fault(format!("{} is not a word", quote_for_message(rest)), UNKNOWN),
+            "" => {
+                return fault(
+                    format!("a word begins with a letter, not with {}", quote_for_message(rest)),
+                    UNKNOWN,
+                );
+            }
             "CYCLE" => cycle(after, out)?,
             "TRAORI" => say(out, NcWord::TipByAngles, after),
             "TRAFOOF" => say(out, NcWord::TipOff, after),
