@@ -137,10 +137,10 @@ fn plunge_concerns(state: &AppState, each: &str) -> Vec<String> {
     found
 }
 
-/// The first faults of a flank program, and how many more there are.
+/// The first faults of a program, which is judged as it is written in APT, and how many more there are.
 pub fn fault_lines(faults: &[Fault]) -> Vec<String> {
-    let mut lines: Vec<String> =
-        faults.iter().take(3).map(|fault| format!("Line {}: {fault}", fault.line)).collect();
+    let line = |fault: &Fault| format!("Line {} of the APT program: {fault}", fault.line);
+    let mut lines: Vec<String> = faults.iter().take(3).map(line).collect();
     match faults.len() - lines.len() {
         0 => {}
         1 => lines.push("1 more fault".to_owned()),

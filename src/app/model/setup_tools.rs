@@ -28,6 +28,12 @@ pub fn follow_diameter(tool: &mut Tool, before: &Tool, material: Option<&Cutting
     }
 }
 
+/// Gives a tool of a library, where rates that nobody entered are those for steel, rates for a material.
+pub fn take_for_material(tool: &mut Tool, material: Option<&CuttingData>) {
+    let before = tool.clone();
+    follow(tool, (&before, None), material);
+}
+
 /// Spindle speed and plunge feed.
 fn rates(tool: &Tool) -> (f64, f64) {
     (tool.spindle, tool.plunge_feed)

@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use crate::io::shop_tools::{LibraryTool, ToolLibrary};
 use crate::io::tool_library::{flank_cutters, plunge_cutters};
-use crate::setup::cutting_data::fill_rates;
 use crate::setup::{Setup, Tool};
 
 use super::history::History;
 use super::library_state::LibraryState;
+use super::setup_tools::take_for_material;
 use super::units::DisplayUnits;
 
 /// Form of a cutter's end.
@@ -242,7 +242,7 @@ impl ShopLibrary {
     pub fn take_into(&self, setup: &mut Setup) -> Option<u32> {
         let entry = self.content.tools.get(self.selected?)?;
         let mut tool = entry.tool.clone();
-        fill_rates(&mut tool, setup.allowances.cutting_data());
+        take_for_material(&mut tool, setup.allowances.cutting_data());
         let taken = |number: u32| setup.tools.iter().any(|known| known.number == number);
         if tool.number == 0 || taken(tool.number) {
             let own: HashSet<u32> = self.content.tools.iter().map(|entry| entry.tool.number).collect();
@@ -323,6 +323,23 @@ mod tests {
         let tool = &setup.tools[0];
         assert_eq!(tool.spindle, data.spindle_for(tool.diameter));
         assert_eq!(tool.plunge_feed, data.feed_per_tooth_for(tool.diameter) * 2.0 * tool.spindle);
+    }
+
+    #[test]
+    fn a_tool_of_the_program_is_taken_with_its_rates_in_proportion_to_the_material() {
+        let mut library = ShopLibrary { selected: Some(0), ..ShopLibrary::default() };
+        let own = library.content().tools[0].tool.clone();
+        let mut setup = Setup::default();
+        library.take_into(&mut setup).expect("a tool");
+        setup.allowances.material = Some("titanium".to_owned());
+        let data = setup.allowances.cutting_data().expect("known");
+        library.take_into(&mut setup).expect("a tool");
+        let entered = Tool { spindle: own.spindle + 30.0, ..own.clone() };
+        library.replace(0, entered.clone());
+        library.take_into(&mut setup).expect("a tool");
+        let rates = |tool: &Tool| (tool.spindle, tool.plunge_feed);
+        let taken: Vec<_> = setup.tools.iter().map(rates).collect();
+        assert_eq!(taken, [rates(&own), rates(&data.scaled_from_steel(&own)), rates(&entered)]);
     }
 
     #[test]
