@@ -1,5 +1,6 @@
 //! Triangle meshes of impellers: tessellation of a part, and reconstruction of a part from meshes.
 
+mod above_faces;
 pub mod axis;
 mod bodies;
 mod boss;
@@ -22,6 +23,8 @@ mod nose;
 pub mod options;
 mod part_notes;
 mod profile;
+mod revolved_face;
+mod revolved_patches;
 pub mod roles;
 mod round;
 mod rows;
