@@ -9,7 +9,8 @@ use super::source::{
 };
 use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
-use crate::mesh::describe::{MeshSource, describe_source};
+use crate::mesh::describe::describe_source;
+use crate::mesh::source::MeshSource;
 use crate::mesh::{LengthUnit, MeshOptions, NamedMesh, TriangleMesh};
 use crate::part::PartDescription;
 

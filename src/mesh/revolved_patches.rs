@@ -56,7 +56,7 @@ impl PatchSums {
         extent: [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY],
     };
 
-    /// By which hub and cover are told from other faces, mm³.
+    /// What distinguishes hub and cover from other faces, mm³.
     fn weight(&self) -> f64 {
         self.area * self.border
     }

@@ -17,7 +17,8 @@ use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::io::InputError;
 use crate::io::source::{MAX_BYTES, name_of, read_bytes_up_to, stem_of};
-use crate::mesh::describe::{MeshSource, describe_source};
+use crate::mesh::describe::describe_source;
+use crate::mesh::source::MeshSource;
 use crate::mesh::{ExactNormals, LengthUnit, MeshOptions, NamedMesh};
 use crate::part::{PartDescription, PartError, Rotation};
 

@@ -3,8 +3,9 @@
 use std::f64::consts::TAU;
 
 use vanecut::geometry::{Meridional, Point, Vector, rotate_z};
-use vanecut::mesh::describe::{MeshSource, describe_source};
+use vanecut::mesh::describe::describe_source;
 use vanecut::mesh::solid::Solid;
+use vanecut::mesh::source::MeshSource;
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
 use vanecut::mesh::{LengthUnit, MeshOptions, NamedMesh, Role, TriangleMesh, grid_triangles};
 use vanecut::part::{Impeller, PartDescription, PartError};
