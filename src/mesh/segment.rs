@@ -130,7 +130,8 @@ struct OnHub {
 }
 
 /// What stands on a hub, with blades apart; `None` where they are connected. Blades that begin in a boss with
-/// a rounded foot stand on a hub that goes on up to its top: the boss is cut off, and the hub begins behind it.
+/// a rounded foot stand on a hub that goes on up to its top: the boss is cut off, and the hub begins behind
+/// it.
 fn pieces_on(mut hub: RevolvedFace, above: &AboveFaces) -> Option<OnHub> {
     let RevolvedPatches { wheel, corners, course, size, tolerance, .. } = above.patches;
     let mut over_hub = above.over_hub(&hub, None);
