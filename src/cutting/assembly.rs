@@ -12,6 +12,8 @@ use crate::geometry::{
 use crate::part::{Blank, FinishedPart, SideProbe};
 use crate::setup::{AssemblyPart, AssemblySegment, ClearanceSetup, Setup, Tool};
 
+/// Depth in stock that is rounding, mm.
+pub const STOCK_TOLERANCE: f64 = 0.01;
 /// Clearance that may be missing by rounding, mm.
 pub const ASSEMBLY_TOLERANCE: f64 = 1e-3;
 /// Shares of the length of a segment at which circles are compared with the hub.
@@ -403,14 +405,13 @@ pub fn hub_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64
     least
 }
 
-/// The first part of `tool`, from the tip up, that is thicker than the cutter and more than `tolerance` mm in
-/// what the `earlier` plunges left of `blank`, and how deep, mm; `cutter` is where a plunge ends.
+/// The first part of `tool`, from the tip up, that is thicker than the cutter and in what the `earlier`
+/// plunges left of `blank`, deeper than rounding, and how deep, mm; `cutter` is where a plunge ends.
 pub fn part_in_stock(
     tool: &Tool,
     cutter: &CutterSolid,
     earlier: Earlier,
     blank: &Blank,
-    tolerance: f64,
 ) -> Option<(AssemblyPart, f64)> {
     let segments = tool.assembly.segments(tool.overhang).into_iter();
     let thick = segments.filter(|segment| segment.radii[0].max(segment.radii[1]) > tool.radius());
@@ -418,7 +419,7 @@ pub fn part_in_stock(
         let placed = segment.placed(&cutter.tip, &cutter.axis);
         (segment.part, depth_in_stock(&placed, earlier, None, blank))
     });
-    depths.find(|(_, depth)| *depth > tolerance)
+    depths.find(|(_, depth)| *depth > STOCK_TOLERANCE)
 }
 
 /// Height above the lower end of a slice of `frustum` up to which it is in what the `earlier` plunges and

@@ -250,7 +250,7 @@ impl<'a> RevolvedPatches<'a> {
     /// The hub and, where there is one, the cover.
     ///
     /// # Errors
-    /// With the reason where there is no hub.
+    /// The reason, if no hub is found.
     pub fn hub_and_cover(&self) -> Result<(RevolvedFace, Option<RevolvedFace>), &'static str> {
         let carrying = self.carrying();
         if carrying.is_empty() {

@@ -11,8 +11,6 @@ use crate::setup::{AssemblyPart, AssemblySegment, Setup, Tool};
 
 /// Clearance missing by rounding that a planned position may have, mm: below what `verify` tolerates.
 const PLANNED_TOLERANCE: f64 = 5e-4;
-/// Depth in stock that is rounding, mm, as `verify` takes it.
-const STOCK_TOLERANCE: f64 = 0.01;
 
 /// Why a position is left out, and the overhang with which it could be cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +90,7 @@ impl<'a> AssemblyRule<'a> {
         let part = AssemblySurroundings { blank: None, earlier: None, ..self.around };
         let near = || part.first_obstacle(self.tool, &self.segments, pose, ASSEMBLY_TOLERANCE);
         let cutter = self.tool.placed(pose.0, pose.1);
-        let in_stock = || part_in_stock(self.tool, &cutter, until, blank, STOCK_TOLERANCE);
+        let in_stock = || part_in_stock(self.tool, &cutter, until, blank);
         let part = near().or_else(|| in_stock().map(|(part, _)| part))?;
         Some(match part {
             AssemblyPart::Shank => Breach::Shank,

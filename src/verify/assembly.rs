@@ -16,8 +16,6 @@ use crate::part::Blank;
 use crate::setup::{AssemblyPart, AssemblySegment, Setup, Tool};
 use crate::toolpath::{ClProgram, Move};
 
-/// Depth of the tool in the blank that is tolerated in a rapid as rounding, mm.
-pub(super) const TOOL_TOLERANCE: f64 = 0.01;
 /// Moves that one thread looks at one after another.
 const STEPS_IN_RUN: usize = 128;
 /// Distance beyond the least one so far up to which distances are measured, mm: what is further off need not
@@ -308,7 +306,7 @@ pub(super) fn holder_in_stock(
     blank: &Blank,
 ) -> Option<Finding> {
     let tool = &cut.tool;
-    let (part, depth) = part_in_stock(tool, &cut.cutter, columns.before(k + 1), blank, TOOL_TOLERANCE)?;
+    let (part, depth) = part_in_stock(tool, &cut.cutter, columns.before(k + 1), blank)?;
     let (kind, help) = match part {
         AssemblyPart::Shank => {
             (FaultKind::ShankCollision, "cut in steps, or give a thinner shank".to_owned())

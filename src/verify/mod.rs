@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 pub use assembly::AssemblyDistances;
 pub use assembly::unjudged_tools;
-use assembly::{TOOL_TOLERANCE, holder_in_stock, judge_moves, step_to};
+use assembly::{holder_in_stock, judge_moves, step_to};
 use channels::{channels_of, nearest_channel};
 pub use fault::{Fault, FaultKind, VerifyError, count_by_kind};
 use fault::{
@@ -34,7 +34,7 @@ use taper::{TAPER_TOLERANCE, judge_tapers};
 pub use verdict::{JudgedCut, PlungeVerdict};
 
 use crate::cutting::approach::ApproachRule;
-use crate::cutting::assembly::AssemblySurroundings;
+use crate::cutting::assembly::{AssemblySurroundings, STOCK_TOLERANCE};
 use crate::cutting::contact::{
     BlankTop, Columns, CoreContact, Earlier, Engagement, PlungeColumn, core_contact, engagement,
 };
@@ -171,7 +171,7 @@ pub fn verify(
             contact.interferes().then(|| core_in_stock(contact.depth, Some(contact.area_share))),
             (!contact.interferes() && seen.lead_out.interferes())
                 .then(|| core_in_stock(seen.lead_out.depth, Some(seen.lead_out.area_share))),
-            (seen.engaged > cut.tool.overhang + TOOL_TOLERANCE).then(|| too_deep(seen.engaged, &cut.tool)),
+            (seen.engaged > cut.tool.overhang + STOCK_TOLERANCE).then(|| too_deep(seen.engaged, &cut.tool)),
         ];
         faults.extend(found.into_iter().flatten().map(|finding| finding.at(cut.line)));
         faults.extend(seen.holder_in_stock.clone());
@@ -270,7 +270,7 @@ fn check_rapids(
                 blank,
                 top,
                 below: stock.safety_distance,
-                aside: -TOOL_TOLERANCE,
+                aside: -STOCK_TOLERANCE,
                 clearances: ClearanceSetup { shank: 0.0, holder: 0.0 },
             };
             let distance = stock.safety_distance - rule.height(rapid.to, earlier, f64::INFINITY).at_least;
@@ -289,7 +289,7 @@ fn check_rapids(
                     Finding::new(FaultKind::AxisTurn, turn.to_degrees(), what)
                         .with_help("add intermediate positions")
                 }),
-                (depth > TOOL_TOLERANCE && clearance >= 0.0).then(|| {
+                (depth > STOCK_TOLERANCE && clearance >= 0.0).then(|| {
                     let what =
                         format!("swings the tool through the blank in rapid, {depth:.1} mm above its bottom");
                     Finding::new(FaultKind::ToolInBlank, depth, what)

@@ -275,7 +275,7 @@ fn speeds_that_nobody_entered_follow_the_material_and_others_are_named() {
     assert!(!path.exists());
 }
 
-/// A tool that was chosen for steel and made a little larger is no tool whose speed was entered.
+/// Enlarging a tool that was chosen for steel does not count as entering its speed.
 #[test]
 fn speeds_of_a_chosen_tool_follow_the_material_after_an_edit_of_its_diameter() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,9 +1,8 @@
 //! Words of Fanuc, Haas and LinuxCNC: a letter and a number each, comments in parentheses.
 
-use super::words::{FORWARDS, NcFault, NcWord, UNKNOWN, fault, leading_number, whole};
+use super::words::{FORWARDS, NcFault, NcWord, UNKNOWN, fault, leading_number, no_letter, whole};
 use crate::geometry::Vector;
 use crate::io::nc::post::Dialect;
-use crate::io::source::quote_for_message;
 use crate::machine::turned;
 
 /// A letter with its number.
@@ -32,10 +31,7 @@ pub(super) fn words(dialect: Dialect, line: &str, out: &mut Vec<NcWord>) -> Resu
             letters.push((first.to_ascii_uppercase(), x));
             rest = after.trim_start();
         } else {
-            return fault(
-                format!("a word begins with a letter, not with {}", quote_for_message(rest)),
-                UNKNOWN,
-            );
+            return no_letter(rest);
         }
     }
     for (index, (letter, _)) in letters.iter().enumerate() {

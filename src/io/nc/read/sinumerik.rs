@@ -1,6 +1,6 @@
 //! Words of the Sinumerik: letters, addresses with `=`, names, calls of cycles; comments after `;`.
 
-use super::words::{FORWARDS, NcFault, NcWord, UNKNOWN, fault, leading_number, whole};
+use super::words::{FORWARDS, NcFault, NcWord, UNKNOWN, fault, leading_number, no_letter, whole};
 use crate::geometry::Vector;
 use crate::io::source::quote_for_message;
 use crate::machine::turned;
@@ -19,12 +19,7 @@ pub(super) fn words(line: &str, out: &mut Vec<NcWord>) -> Result<(), NcFault> {
         let name_end = rest.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len());
         let (name, after) = rest.split_at(name_end);
         rest = match name.to_ascii_uppercase().as_str() {
-            "" => {
-                return fault(
-                    format!("a word begins with a letter, not with {}", quote_for_message(rest)),
-                    UNKNOWN,
-                );
-            }
+            "" => return no_letter(rest),
             "CYCLE" => cycle(after, out)?,
             "TRAORI" => say(out, NcWord::TipByAngles, after),
             "TRAFOOF" => say(out, NcWord::TipOff, after),

@@ -86,6 +86,11 @@ pub(super) fn fault<T>(what: impl Into<String>, help: &'static str) -> Result<T,
     Err(NcFault { what: what.into(), help })
 }
 
+/// The fault of a text that begins with no letter where a word should begin.
+pub(super) fn no_letter<T>(rest: &str) -> Result<T, NcFault> {
+    fault(format!("a word begins with a letter, not with {}", quote_for_message(rest)), UNKNOWN)
+}
+
 /// What to do about a word that is not read.
 pub(super) const UNKNOWN: &str = "give a program as `vanecut post` writes it, or APT";
 
