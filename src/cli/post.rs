@@ -248,6 +248,7 @@ fn text(args: &PostArgs, request: &PostRequest, source: &PostSource, posted: &Po
         motion.clear_links,
         motion.rewinds
     );
+    text += &format!("{}\n", post.retract_words(machine.links.retract_z));
     if let Some(words) = request.calls.and_then(ChannelCalls::words) {
         text += &format!("{words}\n");
     }

@@ -320,9 +320,9 @@ fn placement(root: &TomlTable<'_>) -> Result<PartPlacement, InputError> {
 }
 
 fn links(root: &TomlTable<'_>, slowest: f64) -> Result<LinkSettings, InputError> {
-    let mut links = LinkSettings { turn: TurnLink::Feed, clearance: 20.0, rate: slowest };
+    let mut links = LinkSettings { turn: TurnLink::Feed, clearance: 20.0, rate: slowest, retract_z: 0.0 };
     let Some(table) = root.table("links")? else { return Ok(links) };
-    table.check_keys(&["turn", "clearance", "feed"])?;
+    table.check_keys(&["turn", "clearance", "feed", "retract"])?;
     if let Some(turn) = table.string("turn")? {
         links.turn = match turn.value {
             "feed" => TurnLink::Feed,
@@ -337,6 +337,8 @@ fn links(root: &TomlTable<'_>, slowest: f64) -> Result<LinkSettings, InputError>
     }
     links.clearance = table.number_or("clearance", NumberRange::Between(1.0, 1000.0), links.clearance)?;
     links.rate = table.number_or("feed", POSITIVE, links.rate)?;
+    let everywhere = NumberRange::Between(-MAX_LENGTH, MAX_LENGTH);
+    links.retract_z = table.number_or("retract", everywhere, links.retract_z)?;
     Ok(links)
 }
 

@@ -102,6 +102,9 @@ pub struct LinkSettings {
     pub clearance: f64,
     /// Rate of links, mm/min.
     pub rate: f64,
+    /// What the control itself calls the upper limit of Z, to which programs retract, mm: its zero of the
+    /// axes is where the builder put it, not that of the machine file.
+    pub retract_z: f64,
 }
 
 /// What a program gives a control: tool tips or joint values.

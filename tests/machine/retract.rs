@@ -25,15 +25,15 @@ const CHANGES: [(&str, &str); 37] = [
     ("G53 G0 Z0.", "G0 Z0."),
     ("G53 G0 Z0.", "G53 G0"),
     ("G53 G0 Z0.", "G53 G0 X0."),
-    ("G0 SUPA Z0 D0", "G0 Z0 D0"),
-    ("G0 SUPA Z0 D0", "G0 SUPA D0"),
-    ("L Z+0 R0 FMAX M91", "L Z+0 R0 FMAX"),
-    ("L Z+0 R0 FMAX M91", "L R0 FMAX M91"),
+    ("G0 SUPA Z0.0000 D0", "G0 Z0.0000 D0"),
+    ("G0 SUPA Z0.0000 D0", "G0 SUPA D0"),
+    ("L Z+0.0000 R0 FMAX M91", "L Z+0.0000 R0 FMAX"),
+    ("L Z+0.0000 R0 FMAX M91", "L R0 FMAX M91"),
     // Whole blocks.
     ("G91 G28 Z0.", "M9"),
     ("G53 G0 Z0.", "M9"),
-    ("G0 SUPA Z0 D0", "M9"),
-    ("L Z+0 R0 FMAX M91", "M9"),
+    ("G0 SUPA Z0.0000 D0", "M9"),
+    ("L Z+0.0000 R0 FMAX M91", "M9"),
     // Tool and spindle.
     ("S1200 M3", "M3"),
     ("S1200 M3", "S1200 M4"),
@@ -158,6 +158,29 @@ fn the_way_down_begins_where_the_axes_stand() {
                 assert!(moved.1.hypot(moved.2) < 1e-3, "{case}: {from:?}, {other:?}");
             }
         }
+    }
+}
+
+/// The zero of the control's axes is where the builder put it: the machine file says what the control calls
+/// the upper limit of Z.
+#[test]
+fn programs_retract_to_what_the_control_calls_the_upper_limit() {
+    let meant = PLUNGED.plunges(&PLUNGED.program);
+    for (control, block) in [
+        ("haas", "G53 G0 Z1400."),
+        ("linuxcnc", "G53 G0 Z1400."),
+        ("siemens", "G0 SUPA Z1400.0000 D0"),
+        ("heidenhain", "L Z+1400.0000 R0 FMAX M91"),
+    ] {
+        let mut machine = machine("ac-trunnion");
+        machine.links.retract_z = 1400.0;
+        let text = PLUNGED.posted(&machine, control, OutputKind::TcpAngles).0.text;
+        assert!(text.contains(block), "{control}");
+        assert_eq!(found_by(&machine, control, &text, &meant), None, "{control}");
+        let zero = block.replace("1400", "0");
+        let place = text.rfind(block).unwrap();
+        let lowered = changed(&text, place, block, &zero);
+        assert_eq!(found_by(&machine, control, &lowered, &meant), Some("faults"), "{control}");
     }
 }
 

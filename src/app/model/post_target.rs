@@ -24,6 +24,10 @@ pub struct PostTarget {
     pub takes_subprograms: bool,
     /// Grammar of the control; the ending of the file follows from it.
     pub dialect: Dialect,
+    /// What the control calls the upper limit of the machine's Z, mm.
+    pub retract_z: f64,
+    /// Where the program retracts to, in words.
+    pub retract: String,
 }
 
 impl PostTarget {
@@ -42,6 +46,8 @@ impl PostTarget {
             is_subprogram: false,
             takes_subprograms: post.takes_subprograms(),
             dialect: post.dialect,
+            retract_z: machine.links.retract_z,
+            retract: post.retract_words(machine.links.retract_z),
         };
         Ok(target.with_known_output())
     }
@@ -77,6 +83,7 @@ impl PostTarget {
             is_subprogram: self.is_subprogram && post.takes_subprograms(),
             takes_subprograms: post.takes_subprograms(),
             dialect: post.dialect,
+            retract: post.retract_words(self.retract_z),
             ..self.clone()
         };
         Ok(target.with_known_output())

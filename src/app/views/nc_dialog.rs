@@ -138,6 +138,7 @@ impl NcDialog {
             (answer, changed) = form(ui, question, order);
             show_remark(ui, remark);
             ui.add_space(4.0);
+            ui.add(Label::new(&question.target.retract).wrap());
             ui.label(RichText::new(UNPROVEN).weak());
             ui.add_space(8.0);
             ui.horizontal(|ui| {

@@ -57,11 +57,12 @@ impl Dialect {
 pub(super) const GROUPS: [&str; 8] =
     ["start", "retract", "tool", "ready", "leave", "end", "sub_start", "sub_end"];
 /// Words in braces that the writer fills in.
-const WORDS: [&str; 14] = [
+const WORDS: [&str; 15] = [
     "name",
     "number",
     "machine",
     "offset",
+    "retract",
     "tool",
     "length_offset",
     "diameter",
@@ -99,6 +100,18 @@ impl Post {
     /// Outputs that the control takes.
     pub fn outputs(&self) -> impl Iterator<Item = OutputKind> + '_ {
         self.on.keys().copied()
+    }
+
+    /// Where programs retract to, for those who run them, on a machine with this `retract_z`, mm: a control
+    /// that calls the upper limit of Z otherwise would take the tool elsewhere.
+    pub fn retract_words(&self, retract_z: f64) -> String {
+        let blocks = self.blocks.get("retract").map(Vec::as_slice).unwrap_or_default();
+        let to = if blocks.iter().any(|block| block.contains("{retract}")) {
+            format!("Z {retract_z} in the control's machine coordinates")
+        } else {
+            "the retract position of the post".to_owned()
+        };
+        format!("Retracts to {to}, which must be the upper limit of Z")
     }
 
     /// Whether the post says how a program begins and ends that another one calls.

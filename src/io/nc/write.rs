@@ -230,6 +230,7 @@ impl NcWriter<'_> {
             put("number", &|_| "1000".to_owned());
             put("machine", &|w| comment_text(&w.machine.name));
             put("offset", &|w| w.machine.part.offset_name.clone());
+            put("retract", &|w| w.axis_word(2, w.machine.links.retract_z));
             if let Some(step) = step {
                 put("tool", &|w| w.tool(step).number.to_string());
                 put("length_offset", &|w| w.tool(step).length_offset_number().to_string());

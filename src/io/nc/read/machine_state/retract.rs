@@ -25,8 +25,8 @@ impl NcState<'_> {
         Err(self.source.fault(line, format!("{when} where the tool stands"), "retract it before"))
     }
 
-    /// To the retract position. Machine coordinates of Z count from the upper end of the axis, which is what
-    /// a machine file says of them.
+    /// To the retract position. What the control calls the upper end of Z the machine file says (`retract`);
+    /// its reference point (`G28`) is that end.
     pub(super) fn go_home(&mut self, line: usize, words: &[NcWord]) -> Result<(), InputError> {
         self.check_free(line, "the tool goes to its retract position")?;
         if words.iter().any(|word| matches!(word, NcWord::Rotary(..))) {
@@ -39,7 +39,8 @@ impl NcState<'_> {
                 _ => None,
             })
         };
-        if words.contains(&NcWord::HomeOver) {
+        let is_reference = words.contains(&NcWord::HomeOver);
+        if is_reference {
             if self.incremental != Some(true) || (0..3).filter_map(named).any(|x| x != 0.0) {
                 let what = "G28 leads over another position than that of the tool";
                 return Err(self.source.fault(line, what, "give G91 G28 Z0"));
@@ -63,7 +64,9 @@ impl NcState<'_> {
             return Err(self.source.fault(line, what, "retract Z alone"));
         }
         let mut to = self.retracted.unwrap_or_default();
-        to.z = self.machine().linear[2].limits.1 + z;
+        let machine = self.machine();
+        let called = if is_reference { 0.0 } else { machine.links.retract_z };
+        to.z = machine.linear[2].limits.1 + z - called;
         if let Some(Place { pose, joints: Some([x, y, _]), .. }) = self.before {
             (to.xy, to.angles) = ([Some(x), Some(y)], pose.angles.map(Some));
         }
