@@ -288,11 +288,18 @@ fn check_result(outcome: &PlanOutcome, report: &PlungeReport, name: &str) -> Res
     let faults = &report.verdict.faults;
     if let Some(first) = faults.first() {
         let counts = count_by_kind(faults);
-        let cure = match faults.iter().all(|fault| fault.kind.is_of_assembly()) {
-            true => "use a thinner shank, a longer overhang or smaller clearances",
-            false => "plan with --axis minimal, or use smaller cutters or steps",
+        let cure = if faults.iter().all(|fault| fault.kind.is_of_assembly()) {
+            "use a thinner shank, a longer overhang or smaller clearances"
+        } else if plan.policy == AxisPolicy::Minimal {
+            "use smaller cutters or steps"
+        } else {
+            "plan with --axis minimal, or use smaller cutters or steps"
         };
-        let help = format!("in all {counts}: {cure}");
+        let by_hand = match outcome.setup.plunge.edits.is_empty() {
+            true => "",
+            false => "take back the edits by hand that cause it ([[plunge.edit]] in the setup), or ",
+        };
+        let help = format!("in all {counts}: {by_hand}{cure}");
         let failure = Failure::work(ErrorCode::ProgramFaults, first.to_string(), help);
         return Err(failure.at(format!("{name}:{}", first.line)));
     }

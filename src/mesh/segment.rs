@@ -88,6 +88,17 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
     by_smooth.or_else(|error| segment_by(FaceShape::Cornered, wheel, exact, name).map_err(|_| error))
 }
 
+/// Error of a wheel with `count` bodies of revolution that are apart.
+fn unclear_hub(count: usize) -> PartError {
+    PartError::new(
+        ErrorCode::MeshRoles,
+        0,
+        format!("there are {count} separate bodies of revolution: which of them is the hub is not clear"),
+        "give each body its role, --role NODE=hub, NODE=shroud, NODE=blade or NODE=ignore; bodies in one node \
+         need a node each",
+    )
+}
+
 /// As [`segment_wheel`], with faces of revolution of one shape.
 fn segment_by(
     shape: FaceShape,
@@ -107,7 +118,7 @@ fn segment_by(
     match segment_disconnected(wheel) {
         Ok(Some(segments)) => return Ok(segments),
         Ok(None) => {}
-        Err(count) => return Err(unclear(&format!("it has {count} bodies of revolution"))),
+        Err(count) => return Err(unclear_hub(count)),
     }
     let patches = RevolvedPatches::new(wheel, exact, shape);
     let (hub, cover) = patches.hub_and_cover().map_err(unclear)?;

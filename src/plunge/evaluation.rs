@@ -33,7 +33,19 @@ pub(super) fn evaluate(
     monitor: &Monitor,
 ) -> Result<PlungePlan, PlanError> {
     let PlacedPlan { plan, columns } = placed;
-    let monitor = &monitor.ignoring_stop();
+    Ok(measure(context, plan, &columns, &monitor.ignoring_stop())?)
+}
+
+/// As [`evaluate`] of `plan`, whose plunges are `columns`; a stop ends it, too.
+///
+/// # Errors
+/// When `monitor` is cancelled or stopped.
+pub(super) fn measure<E: Sync>(
+    context: &PlanContext,
+    plan: PlungePlan<E>,
+    columns: &Columns,
+    monitor: &Monitor,
+) -> Result<PlungePlan, Cancelled> {
     let (blank, safety) = (&context.workpiece.blank, context.setup.allowances.safety_distance);
     let tops: Vec<RetractSurface> = plan
         .sections
@@ -56,11 +68,11 @@ pub(super) fn evaluate(
         })
         .collect();
     let (contacts, retracts): (Vec<CoreContact>, Vec<Point>) = measured?.into_iter().unzip();
-    let motions = motions(context, &plan, &columns, monitor)?;
+    let motions = motions(context, &plan, columns, monitor)?;
     let measured = MeasuredPlunges { contacts, motions, retracts };
     Ok(with_lead_outs(
         context,
-        evaluated(plan, measured, &columns, (&context.workpiece.part, blank), context.setup, monitor)?,
+        evaluated(plan, measured, columns, (&context.workpiece.part, blank), context.setup, monitor)?,
     ))
 }
 

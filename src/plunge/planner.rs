@@ -131,8 +131,8 @@ impl<'a> Planner<'a> {
         warm_start(&self.context, policy, known, monitor)
     }
 
-    /// `plan` with only the plunges that are `kept`, one flag each, whose `columns` are given: contact is
-    /// measured anew, links are raised where they must be, and a row is split where the axes of the plunges
+    /// `plan` with only the plunges that are `kept`, one flag each, whose `columns` are given: contact,
+    /// retracts and links are those of what is left, and a row is split where the axes of the plunges
     /// left in it differ by more than the setup allows. What the sections say of added plunges stays that of
     /// the search.
     ///

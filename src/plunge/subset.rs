@@ -2,14 +2,13 @@
 
 use super::context::PlanContext;
 use super::error::PlanError;
-use super::evaluation::{MeasuredPlunges, evaluated};
-use super::motion::{motions, with_lead_outs};
+use super::evaluation::measure;
 use super::plan::{PlungePlan, Position};
-use crate::cutting::contact::{Columns, core_contacts};
+use crate::cutting::contact::Columns;
 use crate::monitor::Monitor;
 
-/// `plan` with only the plunges that are `kept`, one flag each, whose `columns` are given: contact is
-/// measured anew, links are raised where they must be, and a row is split where the axes of the plunges
+/// `plan` with only the plunges that are `kept`, one flag each, whose `columns` are given: contact,
+/// retracts and links are those of what is left, and a row is split where the axes of the plunges
 /// left in it differ by more than the setup allows. What the sections say of added plunges stays that of
 /// the search.
 ///
@@ -40,13 +39,5 @@ pub(super) fn keep_plunges(
     for (section, rows) in thinned.sections.iter_mut().zip(rows) {
         section.rows = rows;
     }
-    let blank = &context.workpiece.blank;
-    let contacts = core_contacts(columns, blank, monitor)?;
-    let retracts = thinned.positions.iter().map(|p| p.evaluation.retract).collect();
-    let motions = motions(context, &thinned, columns, monitor)?;
-    let measured = MeasuredPlunges { contacts, motions, retracts };
-    Ok(with_lead_outs(
-        context,
-        evaluated(thinned, measured, columns, (&context.workpiece.part, blank), context.setup, monitor)?,
-    ))
+    Ok(measure(context, thinned, columns, monitor)?)
 }

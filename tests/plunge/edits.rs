@@ -65,6 +65,27 @@ fn row(row: usize) -> (usize, usize) {
     (first, positions.iter().filter(of_row).count())
 }
 
+/// The goal leaves some plunges of `minimal` out: retracts and links are those of what is left.
+#[test]
+fn a_lock_of_what_the_plan_has_changes_nothing() {
+    let setup = setup(&SETUP.replace("staircase", "minimal").replace("0.55", "0.8"));
+    let found = planned(&setup, &[]).expect("a plan");
+    assert!(
+        found
+            .whole
+            .as_ref()
+            .is_some_and(|whole| { whole.positions.len() > found.after.plan.positions.len() })
+    );
+    let change = PlungeChange::Lock { tool: 1, lift: 0.0 };
+    let plunge = pose(&found.after.plan.positions[5]);
+    let locked = planned(&setup, &[PlungeEdit { plunge, whole_row: false, change }]).expect("a plan");
+    assert_eq!(locked.edits.mark(5), PlungeMark::Locked(0));
+    for (a, b) in found.after.plan.positions.iter().zip(&locked.after.plan.positions) {
+        assert_eq!((a.tip, a.axis, a.evaluation.retract), (b.tip, b.axis, b.evaluation.retract));
+    }
+    assert_eq!(found.after.summary.time_estimate, locked.after.summary.time_estimate);
+}
+
 #[test]
 fn a_deleted_plunge_is_gone_and_what_stays_is_measured_again() {
     let found = &FOUND.after;

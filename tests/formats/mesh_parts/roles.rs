@@ -2,8 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use vanecut::error::ErrorCode;
 use vanecut::geometry::{Meridional, Point, Vector, rotate_z};
-use vanecut::mesh::describe::describe_source;
+use vanecut::mesh::describe::{describe, describe_source};
 use vanecut::mesh::solid::Solid;
 use vanecut::mesh::source::MeshSource;
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
@@ -153,6 +154,19 @@ fn a_wheel_in_one_body_beside_a_shaft_is_taken_apart() {
     let alone = read(whole(), &options).expect("a part");
     let notes = notes_of(read(with_others(&part, whole()), &options), &alone);
     assert!(notes.len() == 1 && notes[0].contains("beside `Solid1`: "), "{notes:?}");
+}
+
+#[test]
+fn several_bodies_that_may_be_the_hub_are_asked_for_their_roles() {
+    let part = sample("impeller532.toml");
+    let mut meshes = wheel(&part, ("B", "B"), true);
+    let (rim, z) = (part.rim_radius(), part.hub.point(1.0).z);
+    let ring = [(0.3, 0.5), (0.6, 0.5), (0.6, 0.7), (0.3, 0.7)].map(|(r, h)| (r * rim, z - h * rim));
+    meshes.push(named("B99".to_owned(), 99, turned(&ring, 90)));
+    let error =
+        describe("back", meshes, LengthUnit::Millimetre, &MeshOptions::default()).map(|_| ()).unwrap_err();
+    assert_eq!(error.code, ErrorCode::MeshRoles, "{error}");
+    assert!(error.message.contains("3 separate bodies of revolution"), "{error}");
 }
 
 #[test]
