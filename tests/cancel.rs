@@ -115,7 +115,7 @@ fn a_plan_that_a_late_stop_changes_says_that_it_is_not_finished() {
     let whole = run(&request, &Monitor::default()).expect("a plan");
     assert!(whole.whole.is_some(), "plunges are left out");
     let mut unfinished = 0;
-    for share in [0.78, 0.81, 0.84, 0.87, 0.9, 0.95] {
+    for share in [0.8, 0.86, 0.92] {
         let outcome = ended_at(share, &PlanJob::default(), &request, Monitor::stop).expect("a plan");
         match outcome.after.plan.is_unfinished() {
             true => unfinished += 1,
@@ -151,7 +151,7 @@ fn a_cancel_at_any_stage_leaves_nothing() {
     for policy in [AxisPolicy::Monotone, AxisPolicy::Minimal] {
         let request = request(policy);
         let mut cancelled = 0;
-        for share in [0.02, 0.12, 0.3, 0.5, 0.7] {
+        for share in [0.02, 0.3, 0.6] {
             match ended_at(share, &PlanJob::default(), &request, Monitor::cancel) {
                 Err(error) => assert_eq!(error, JobError::Cancelled),
                 // The plan was ready before the cancel came.

@@ -23,13 +23,16 @@ fn sample(name: &str) -> Impeller {
     Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
 }
 
+/// Triangles coarse enough for tests that read many wheels.
+const COARSE: Fineness = Fineness { chord_error: 0.03, max_triangles: 1_000_000 };
+
 fn named(name: String, node: usize, mesh: TriangleMesh) -> NamedMesh {
     NamedMesh { name, other_names: Vec::new(), node, instance: 0, mesh }
 }
 
 /// Hub, shroud and all blades of a part, each as a separate mesh, mm.
 fn separate(part: &Impeller) -> Vec<NamedMesh> {
-    let t = Tessellation::new(part, &Fineness::default());
+    let t = Tessellation::new(part, &COARSE);
     let mut meshes = vec![named("Hub".into(), 0, t.hub.mesh()), named("Shroud".into(), 1, t.shroud.mesh())];
     for k in 0..part.blade_count {
         let angle = part.pitch() * k as f64;

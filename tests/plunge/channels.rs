@@ -93,6 +93,7 @@ fn programs_of_every_order_are_verified_as_planned() {
 /// Opposite channels of a whole wheel, whose links lead across it, by the policy without contact that has the
 /// fewest plunges.
 #[test]
+#[ignore = "as the test before it, in all channels of another part; scripts/nightly runs it"]
 fn a_whole_wheel_is_milled_in_opposite_channels() {
     let outcome = sample_plans("pump6");
     let staircase = outcome.policies().into_iter().find(|result| result.plan.policy == AxisPolicy::Staircase);

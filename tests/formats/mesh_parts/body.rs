@@ -25,7 +25,7 @@ pub struct Body {
 
 impl Default for Body {
     fn default() -> Self {
-        Self { along: 160, across: 24, high: 24, fillet: 0.0, cover: false }
+        Self { along: 120, across: 16, high: 16, fillet: 0.0, cover: false }
     }
 }
 

@@ -4,12 +4,12 @@ use nalgebra::Rotation3;
 use vanecut::error::ErrorCode;
 use vanecut::geometry::{Point, Vector, rotate_z};
 use vanecut::mesh::solid::FaceKind;
-use vanecut::mesh::tessellate::{Fineness, Tessellation};
+use vanecut::mesh::tessellate::Tessellation;
 use vanecut::mesh::{LengthUnit, MeshOptions, NamedMesh, Role, TriangleMesh, describe};
 use vanecut::part::Impeller;
 
 use super::body::Body;
-use super::{SAMPLES, back, named, same, sample, separate, turning};
+use super::{COARSE, SAMPLES, back, named, same, sample, separate, turning};
 
 /// Triangles without shared corners, each rounded to single precision in one of several frames.
 fn soup(mesh: &TriangleMesh) -> TriangleMesh {
@@ -146,7 +146,7 @@ fn spike_of(part: &Impeller) -> TriangleMesh {
 /// Blades with only their two sides, open at foot, tip and blunt edges, without the triangles whose corners
 /// are all `gone`.
 fn bitten(part: &Impeller, gone: impl Fn(FaceKind, &Point) -> bool) -> Vec<NamedMesh> {
-    let main = Tessellation::new(part, &Fineness::default()).main;
+    let main = Tessellation::new(part, &COARSE).main;
     let mut mesh = TriangleMesh { points: main.points.clone(), triangles: Vec::new() };
     for face in main.faces.iter().filter(|f| matches!(f.kind, FaceKind::Suction | FaceKind::Pressure)) {
         let corners = face.triangles.iter().map(|t| t.map(|c| face.corners[c as usize].point));
