@@ -70,12 +70,20 @@ impl Screen {
 
     /// Starts the program with the sample pump6, its data in `folder`.
     fn start(&self, folder: &Path) -> Stopped {
+        self.start_with_path(folder, &std::env::var("PATH").unwrap_or_default())
+    }
+
+    /// The same with another list of the folders of programs.
+    fn start_with_path(&self, folder: &Path, path: &str) -> Stopped {
         let part = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/parts/pump6.toml");
         let program = Command::new(env!("CARGO_BIN_EXE_vanecut"))
             .arg(part)
             // What is written by a name without a folder goes there.
             .current_dir(folder)
             .env("DISPLAY", &self.display)
+            .env("PATH", path)
+            // No portal of the machine shows its dialogs.
+            .env("DBUS_SESSION_BUS_ADDRESS", "unix:path=/no-such-bus")
             .env_remove("WAYLAND_DISPLAY")
             .env_remove("WAYLAND_SOCKET")
             .env("XDG_DATA_HOME", folder)
@@ -160,6 +168,43 @@ fn keys_and_mouse_reach_the_program_on_a_real_screen() {
         let used = ticks(program.0.id())? - before;
         (used < 30).then_some(())
     });
+}
+
+/// A dialog of the system that is slow to come takes no keys yet, and the window no more.
+#[test]
+fn keys_before_a_file_dialog_comes_change_nothing_on_a_real_screen() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().expect("a folder");
+    let zenity = folder.path().join("zenity");
+    // It ends with the test, or after a minute.
+    let script = "#!/bin/sh\ntouch asked\nn=0\nwhile [ $n -lt 600 ] && [ ! -e go ]; do sleep 0.1; n=$((n + 1)); done\nexit 1\n";
+    std::fs::write(&zenity, script).expect("writes");
+    std::fs::set_permissions(&zenity, std::fs::Permissions::from_mode(0o755)).expect("a program");
+    let path = format!("{}:{}", folder.path().display(), std::env::var("PATH").unwrap_or_default());
+    let screen = Screen::new();
+    let mut program = screen.start_with_path(folder.path(), &path);
+    let window = screen.window_with_part(&mut program);
+    let key = |keys: &str| screen.xdotool(&["key", "--window", &window, keys]);
+    screen.xdotool(&["windowfocus", &window]);
+    screen.xdotool(&["mousemove", "640", "400"]);
+    until("dialog", || {
+        key("ctrl+o");
+        std::thread::sleep(Duration::from_millis(500));
+        folder.path().join("asked").exists().then_some(())
+    });
+    std::thread::sleep(Duration::from_millis(1500));
+    key("ctrl+d");
+    std::thread::sleep(Duration::from_secs(2));
+    let (title, _) = screen.title().expect("a title");
+    assert!(!title.contains('•'), "no variant is saved while the dialog is awaited: {title}");
+    // Given up, the keys are those of the window.
+    until("mark of something unsaved", || {
+        key("Escape");
+        key("ctrl+d");
+        std::thread::sleep(Duration::from_millis(500));
+        screen.title().filter(|(name, _)| name.contains('•'))
+    });
+    std::fs::write(folder.path().join("go"), "").expect("writes");
 }
 
 /// CPU time of a process so far, in hundredths of a second.

@@ -53,7 +53,7 @@ use tasks::tradeoff::TradeoffWork;
 use tasks::work::{PROGRESS_EVERY, Work};
 use views::channels_dialog::ChannelsDialog;
 use views::command::Command;
-use views::dialogs::Dialogs;
+use views::dialogs::{Dialogs, FileDialog};
 use views::dock::Dock;
 use views::help::Help;
 use views::key_order::KeyOrder;
@@ -219,6 +219,11 @@ impl App {
         self.dialogs.use_own_dialogs();
     }
 
+    /// Asks `dialog` for files instead of the dialogs of the system; used by tests.
+    pub fn use_file_dialog(&mut self, dialog: FileDialog) {
+        self.dialogs.use_dialog(dialog);
+    }
+
     /// Sets what computes the stock that the views draw.
     pub fn set_preview_source(&mut self, source: PreviewSource) {
         if let Some(pictures) = &mut self.pictures {
@@ -345,6 +350,7 @@ impl eframe::App for App {
         }
         self.take_drops(ctx);
         self.watch_closing(ctx);
+        self.dialogs.take_typed(ctx);
         let typing = is_typing(ctx);
         // While a dialog or the command search is open, shortcuts are disabled.
         if !self.palette.is_open() && !self.is_asking() {
@@ -358,15 +364,14 @@ impl eframe::App for App {
                 Command::Deselect if keeps_escape || typing => false,
                 _ => is_heard(command),
             };
-            let words = Palette::take_typed(ctx);
             for command in Command::pressed(ctx, can) {
                 self.run_command(ctx, command);
-                // Keys of the same frame are meant for the dialog that it has opened.
+                // Other keys of the same frame are not meant for the window below the dialog that it has
+                // opened.
                 if self.is_asking() {
                     break;
                 }
             }
-            self.palette.begin_with(words);
         }
         self.rank_work();
         self.plan_edits(ctx.input(|input| input.pointer.any_down()));
@@ -441,6 +446,7 @@ impl eframe::App for App {
                 can_cancel: self.can_cancel(),
                 preview: preview.unwrap_or_else(|| "no 3D view".to_owned()),
                 device: self.device.clone(),
+                awaits_file: self.dialogs.is_waiting(),
             };
             if panels::status::show(ui, &self.state, &activity) {
                 self.run_command(ui.ctx(), Command::Cancel);

@@ -1,11 +1,15 @@
 //! The window's own file dialog.
 
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::planned::Side;
+use vanecut::app::views::dialogs::SystemAnswer;
 use vanecut::geometry::Point;
 use vanecut::io::setup_file::read_setup;
 use vanecut::io::stl::write_stl;
@@ -13,7 +17,7 @@ use vanecut::part::BlankShape;
 use vanecut::setup::Setup;
 
 use crate::fake;
-use crate::harness::{Window, choose_in_file_menu, click_enabled, press, settle, with_sample};
+use crate::harness::{HANG, Window, choose_in_file_menu, click_enabled, press, settle, with_sample};
 
 /// Types a name into the field of the dialog.
 pub fn name_file(window: &mut Window, name: &Path) {
@@ -36,6 +40,115 @@ fn export(window: &mut Window) {
     window.run_steps(3);
     settle(window);
     window.get_by_label("Export CL (APT)");
+}
+
+/// A dialog of the system that does not open, and says so only when that is asked of it.
+struct SlowDialog(Arc<AtomicBool>);
+
+impl SlowDialog {
+    fn new(window: &mut Window) -> Self {
+        let gives_up = Arc::new(AtomicBool::new(false));
+        let waits = Arc::clone(&gives_up);
+        window.state_mut().use_file_dialog(Arc::new(move |_, _, _| {
+            let start = Instant::now();
+            while !waits.load(Ordering::Relaxed) && start.elapsed() < HANG {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            SystemAnswer::NotOpened
+        }));
+        Self(gives_up)
+    }
+
+    /// Gives up, and waits for the window's own dialog.
+    fn give_up(&self, window: &mut Window) {
+        self.0.store(true, Ordering::Relaxed);
+        let start = Instant::now();
+        while window.query_by_role_and_label(Role::TextInput, "File").is_none() {
+            assert!(start.elapsed() < HANG, "no dialog");
+            std::thread::sleep(Duration::from_millis(10));
+            window.run_steps(1);
+        }
+        settle(window);
+    }
+}
+
+fn type_keys(window: &mut Window, text: &str) {
+    for letter in text.chars() {
+        if let Some(key) = egui::Key::from_name(&letter.to_uppercase().to_string()) {
+            window.key_press(key);
+        }
+        window.event(egui::Event::Text(letter.to_string()));
+        window.run_steps(1);
+    }
+}
+
+fn edits(window: &Window) -> usize {
+    window.state().state().document.edited.setup.plunge.edits.len()
+}
+
+/// On a busy machine it takes seconds until it is known that no dialog of the system opens.
+#[test]
+fn keys_before_the_file_dialog_is_there_are_its_name_and_reach_nothing_else() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("lbm.h");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.key_press(egui::Key::ArrowRight);
+    window.run_steps(3);
+    let look = |window: &Window| {
+        let look = &window.state().state().look;
+        (look.side, look.arrangement, look.layers.stock, look.measure.is_some())
+    };
+    let before = look(&window);
+    choose_in_file_menu(&mut window, "Export NC program…");
+    let dialog = SlowDialog::new(&mut window);
+    window.get_by_label("Save as…").click();
+    window.run_steps(2);
+    std::thread::sleep(Duration::from_millis(1100));
+    window.run_steps(2);
+    window.get_by_label("Waiting for the system's file dialog (Esc: go on without it)");
+    let typed = path.display().to_string();
+    let (at_first, rest) = typed.split_at(typed.len() - "m.h".len());
+    type_keys(&mut window, at_first);
+    press_enter(&mut window);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::D);
+    window.run_steps(2);
+    assert_eq!((look(&window), edits(&window)), (before, 0), "nothing is switched or locked");
+    assert!(window.state().state().document.edited.sets.is_empty(), "no variant is saved");
+    dialog.give_up(&mut window);
+    let name = |window: &Window| window.get_by_role_and_label(Role::TextInput, "File").value();
+    assert_eq!(name(&window), Some(format!("{at_first}.h")), "as if it had been typed there");
+    type_keys(&mut window, rest);
+    press_enter(&mut window);
+    if window.query_by_label("Export anyway").is_some() {
+        click_enabled(&window, "Export anyway");
+        window.run_steps(3);
+        settle(&mut window);
+    }
+    assert!(path.exists(), "it is written where it was said");
+    assert_eq!((look(&window), edits(&window)), (before, 0));
+}
+
+/// Where no dialog of the system ever opens, Esc gives the keys back.
+#[test]
+fn escape_goes_on_without_the_file_dialog_of_the_system() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let dialog = SlowDialog::new(&mut window);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::E);
+    window.run_steps(2);
+    let side = |window: &Window| window.state().state().look.side;
+    assert_eq!(side(&window), Side::After);
+    type_keys(&mut window, "b");
+    assert_eq!(side(&window), Side::After, "while it is awaited");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(2);
+    type_keys(&mut window, "b");
+    assert_eq!(side(&window), Side::Before);
+    dialog.0.store(true, Ordering::Relaxed);
+    std::thread::sleep(Duration::from_millis(100));
+    window.run_steps(3);
+    assert!(window.query_by_role_and_label(Role::TextInput, "File").is_none(), "it is not asked again");
 }
 
 #[test]

@@ -1,11 +1,13 @@
 //! Keys in the order in which they were pressed, also in slow frames.
 //!
-//! A slow frame brings several keys at once. With the key Tab among them egui moves the focus before widgets
-//! take the keys of the frame: what was typed before Tab and behind it would go to both fields.
+//! A slow frame brings several keys and clicks at once. egui moves the focus by the key Tab before widgets
+//! take the keys of the frame: what was typed before Tab and behind it would go to both fields. And what a
+//! click, Enter or a shortcut opens is there only at the end of the frame: what was typed behind them would
+//! go to the window below.
 
 use egui::{Context, Event, Key, Plugin, RawInput};
 
-/// Holds back keys until the focus is where it was when they were pressed.
+/// Holds back keys until what they were pressed for is there.
 #[derive(Debug, Default)]
 pub struct KeyOrder {
     /// Events of later frames.
@@ -28,24 +30,33 @@ impl Plugin for KeyOrder {
 }
 
 /// Number of the first `events` that belong into one frame: up to where Tab moves the focus, or up to what is
-/// typed behind Tab.
+/// typed behind Tab, Enter, a shortcut or a click.
 fn count_of_one_focus(events: &[Event]) -> usize {
-    let is_tab = |event: &Event| matches!(event, Event::Key { key: Key::Tab, pressed: true, .. });
-    let is_typed = |event: &Event| {
+    let (mut typed, mut moved) = (false, false);
+    for (k, event) in events.iter().enumerate() {
         let is_press = matches!(event, Event::Key { pressed: true, .. } | Event::Text(_) | Event::Paste(_));
-        is_press && !is_tab(event)
-    };
-    let Some(tab) = events.iter().position(is_tab) else { return events.len() };
-    if events[..tab].iter().any(is_typed) {
-        return tab;
+        let is_tab = matches!(event, Event::Key { key: Key::Tab, pressed: true, .. });
+        if is_press && moved || is_tab && typed {
+            return k;
+        }
+        typed |= is_press && !is_tab;
+        moved |= is_tab || opens(event);
     }
-    let behind = |event: &Event| is_tab(event) || is_typed(event);
-    events[tab + 1..].iter().position(behind).map_or(events.len(), |k| tab + 1 + k)
+    events.len()
+}
+
+/// Whether an event may open something that takes the keys behind it.
+fn opens(event: &Event) -> bool {
+    match event {
+        Event::Key { key, pressed: true, modifiers, .. } => *key == Key::Enter || modifiers.command,
+        Event::PointerButton { pressed, .. } => !pressed,
+        _ => false,
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use egui::Modifiers;
+    use egui::{Modifiers, PointerButton, Pos2};
 
     use super::*;
 
@@ -72,5 +83,27 @@ mod tests {
         }
         assert_eq!(frames, [1, 2, 1, 1, 1, 1]);
         assert_eq!(count_of_one_focus(&[Event::PointerGone, press(Key::B)]), 2, "nothing waits without Tab");
+    }
+
+    #[test]
+    fn keys_behind_what_opens_a_dialog_wait_for_it() {
+        let button = |pressed| Event::PointerButton {
+            pos: Pos2::ZERO,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        let shortcut = Event::Key {
+            key: Key::E,
+            pressed: true,
+            modifiers: Modifiers::COMMAND,
+            repeat: false,
+            physical_key: None,
+        };
+        let text = || Event::Text("l".into());
+        assert_eq!(count_of_one_focus(&[button(true), button(false), press(Key::L), text()]), 2, "a click");
+        assert_eq!(count_of_one_focus(&[shortcut, press(Key::L), text()]), 1, "a shortcut");
+        assert_eq!(count_of_one_focus(&[text(), press(Key::Enter), text()]), 2, "Enter");
+        assert_eq!(count_of_one_focus(&[press(Key::L), text(), text()]), 3, "what is typed stays together");
     }
 }

@@ -1,6 +1,6 @@
 //! The command palette: search as you type over all commands.
 
-use egui::{Align2, Context, Event, Key, Modal, RichText, TextEdit, Ui};
+use egui::{Align2, Key, Modal, RichText, TextEdit, Ui};
 
 use crate::app::views::command::Command;
 use crate::app::views::scroll_area;
@@ -18,38 +18,6 @@ impl Palette {
     /// Opens or closes it.
     pub fn toggle(&mut self) {
         *self = Self { open: !self.open, fresh: true, ..Self::default() };
-    }
-
-    /// What was typed in this frame behind the keys that open it: slow frames hold many keys, which are words
-    /// to search, no commands of their own. Enter stays, to run what they find.
-    pub fn take_typed(ctx: &Context) -> String {
-        let mut words = String::new();
-        let Some(keys) = Command::Palette.shortcut() else { return words };
-        ctx.input_mut(|input| {
-            let opens = |event: &Event| {
-                matches!(event, Event::Key { key, pressed: true, modifiers, .. }
-                    if *key == keys.logical_key && modifiers.matches_logically(keys.modifiers))
-            };
-            let Some(at) = input.events.iter().position(opens) else { return };
-            for event in input.events.split_off(at + 1) {
-                match event {
-                    Event::Text(text) => words.push_str(&text),
-                    Event::Key { key: Key::Backspace, pressed: true, .. } => {
-                        words.pop();
-                    }
-                    Event::Key { key, .. } if key != Key::Enter => {}
-                    other => input.events.push(other),
-                }
-            }
-        });
-        words
-    }
-
-    /// Searches `words` if it is open.
-    pub fn begin_with(&mut self, words: String) {
-        if self.open {
-            self.words = words;
-        }
     }
 
     /// Whether it is open.

@@ -9,14 +9,18 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use egui::{Context, Ui};
+use egui::{Context, Event, ImeEvent, Key, Ui};
 
 use crate::app::model::file_purpose::{FilePlace, Purpose};
 use crate::app::views::repaint;
 
 use folders::Folders;
 use prompt::{Prompt, PromptAnswer};
-use system::SystemAnswer;
+pub use system::SystemAnswer;
+
+/// Shows a file dialog, for a purpose, with a proposed name and the folder to start in, and waits for its
+/// answer.
+pub type FileDialog = Arc<dyn Fn(Purpose, &str, Option<&Path>) -> SystemAnswer + Send + Sync>;
 
 /// Answer of the dialog thread, with the number of its request.
 type AnswerSlot = Arc<Mutex<Option<(u64, Purpose, SystemAnswer)>>>;
@@ -26,12 +30,14 @@ pub struct Dialogs {
     slot: AnswerSlot,
     /// Number of the last request to a dialog thread.
     requests: u64,
-    /// Whether the system dialog of the last request is open, and when it was asked for.
-    open: bool,
-    asked: Option<Instant>,
+    /// When the system dialog was asked for that is awaited.
+    awaited: Option<Instant>,
+    system: FileDialog,
     /// Whether the window asks itself, without trying the system dialog.
     own_only: bool,
     prompt: Option<Prompt>,
+    /// What was typed since the request, before a dialog was there.
+    typed: String,
     suggestion: String,
     folders: Folders,
     listing: prompt::FolderReader,
@@ -43,10 +49,11 @@ impl Dialogs {
         Self {
             slot: AnswerSlot::default(),
             requests: 0,
-            open: false,
-            asked: None,
+            awaited: None,
+            system: Arc::new(system::show_dialog),
             own_only: false,
             prompt: None,
+            typed: String::new(),
             suggestion: String::new(),
             folders: Folders::default(),
             listing: prompt::FolderReader::new(&repaint(ctx)),
@@ -58,10 +65,56 @@ impl Dialogs {
         self.own_only = true;
     }
 
-    /// Whether the window's own dialog is open, or may open in a moment; shortcuts are disabled then: what is
-    /// typed is meant as a name.
+    /// Asks `dialog` instead of that of the system.
+    pub fn use_dialog(&mut self, dialog: FileDialog) {
+        self.system = dialog;
+    }
+
+    /// Whether a file is asked for; shortcuts are disabled until that is answered: what is typed is meant as
+    /// a name.
     pub fn is_asking(&self) -> bool {
-        self.prompt.is_some() || (self.open && self.asked.is_some_and(|asked| asked.elapsed() < OPENING))
+        self.prompt.is_some() || self.awaited.is_some()
+    }
+
+    /// Whether the dialog of the system is awaited for longer than one takes that does not open.
+    pub fn is_waiting(&self) -> bool {
+        self.awaited.is_some_and(|asked| asked.elapsed() >= OPENING)
+    }
+
+    /// Keeps the keys of this frame from the window while no dialog that was asked for has taken them: what
+    /// is typed begins the name in the window's own dialog, once that opens. Escape gives the keys back to
+    /// the window, for a dialog of the system that never opens. To be called before any key is handled.
+    pub fn take_typed(&mut self, ctx: &Context) {
+        let is_awaited = self.awaited.is_some();
+        if !is_awaited && self.prompt.as_ref().is_none_or(Prompt::is_drawn) {
+            return;
+        }
+        let mut goes_on = false;
+        let typed = &mut self.typed;
+        ctx.input_mut(|input| {
+            input.events.retain(|event| match event {
+                Event::Text(text) | Event::Paste(text) | Event::Ime(ImeEvent::Commit(text)) => {
+                    typed.extend(text.chars().filter(|c| !c.is_control()));
+                    false
+                }
+                Event::Key { key: Key::Escape, pressed: true, .. } => {
+                    goes_on = true;
+                    // The window's own dialog is closed by it.
+                    !is_awaited
+                }
+                Event::Key { key, pressed: true, .. } => {
+                    if *key == Key::Backspace {
+                        typed.pop();
+                    }
+                    false
+                }
+                _ => true,
+            });
+        });
+        if goes_on && is_awaited {
+            self.awaited = None;
+            self.typed.clear();
+        }
     }
 
     /// Whether an answer or a folder is awaited that comes without input.
@@ -76,8 +129,8 @@ impl Dialogs {
             return;
         }
         self.suggestion.clone_from(&suggestion);
-        if self.own_only || self.open {
-            self.open = false;
+        self.typed.clear();
+        if self.own_only || self.awaited.take().is_some() {
             self.requests += 1;
             self.start_prompt(purpose, "");
             return;
@@ -85,14 +138,16 @@ impl Dialogs {
         self.requests += 1;
         let number = self.requests;
         let folder = self.folders.start(purpose).map(Path::to_owned);
-        let (slot, ctx) = (Arc::clone(&self.slot), ctx.clone());
+        // Then the status bar says what is awaited.
+        ctx.request_repaint_after(OPENING);
+        let (slot, ctx, show_dialog) = (Arc::clone(&self.slot), ctx.clone(), Arc::clone(&self.system));
         let ask = move || {
-            let answer = system::ask(|| system::show_dialog(purpose, &suggestion, folder.as_deref()));
+            let answer = show_dialog(purpose, &suggestion, folder.as_deref());
             *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some((number, purpose, answer));
             ctx.request_repaint();
         };
         match std::thread::Builder::new().name("file dialog".to_owned()).spawn(ask) {
-            Ok(_) => (self.open, self.asked) = (true, Some(Instant::now())),
+            Ok(_) => self.awaited = Some(Instant::now()),
             Err(_) => self.start_prompt(purpose, NO_DIALOG),
         }
     }
@@ -108,14 +163,16 @@ impl Dialogs {
         if let Some((number, purpose, answer)) = answer
             && number == self.requests
         {
-            self.open = false;
+            // Not awaited: Escape gave it up. A file that is chosen all the same is taken.
+            let is_awaited = self.awaited.take().is_some();
             match answer {
                 SystemAnswer::Chosen(path) => {
                     self.folders.note(purpose.place(), &path);
                     return Some((purpose, path));
                 }
                 SystemAnswer::Closed => {}
-                SystemAnswer::NotOpened => self.start_prompt(purpose, NO_DIALOG),
+                SystemAnswer::NotOpened if is_awaited => self.start_prompt(purpose, NO_DIALOG),
+                SystemAnswer::NotOpened => {}
             }
         }
         let Some(prompt) = &mut self.prompt else {
@@ -123,6 +180,9 @@ impl Dialogs {
             return None;
         };
         let purpose = prompt.purpose();
+        if !self.typed.is_empty() {
+            prompt.begin_with(&std::mem::take(&mut self.typed));
+        }
         match prompt.show(ui, &mut self.listing)? {
             PromptAnswer::Cancelled => {
                 self.prompt = None;

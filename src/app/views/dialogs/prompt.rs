@@ -1,6 +1,7 @@
 //! The window's own file dialog: folder, files that fit, name with ending check, and the question before a
 //! file is replaced.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use egui::text::{CCursor, CCursorRange};
@@ -81,12 +82,30 @@ pub(super) struct Prompt {
     /// File that exists and may be replaced, while that is asked.
     replacing: Option<PathBuf>,
     fresh: bool,
+    is_drawn: bool,
+    /// Number of characters of the name that were typed before the dialog was there.
+    typed_before: usize,
 }
 
 impl Prompt {
     pub(super) fn new(purpose: Purpose, name: String, folder: Option<&Path>, reason: &'static str) -> Self {
         let folder = folder.map_or_else(|| std::env::current_dir().unwrap_or_default(), Path::to_owned);
-        Self { purpose, folder, name, reason, replacing: None, fresh: true }
+        let (replacing, fresh, is_drawn, typed_before) = (None, true, false, 0);
+        Self { purpose, folder, name, reason, replacing, fresh, is_drawn, typed_before }
+    }
+
+    /// Whether it was drawn before, and its field takes what is typed.
+    pub(super) fn is_drawn(&self) -> bool {
+        self.is_drawn
+    }
+
+    /// Takes what was typed before it was there. As in the field it replaces the proposed name up to its
+    /// ending.
+    pub(super) fn begin_with(&mut self, typed: &str) {
+        let ending: String = self.name.chars().skip(stem_length(&self.name)).collect();
+        self.name = format!("{typed}{ending}");
+        drop_doubled_ending(&mut self.name, self.purpose.filter().1);
+        self.typed_before = typed.chars().count();
     }
 
     pub(super) fn purpose(&self) -> Purpose {
@@ -96,6 +115,7 @@ impl Prompt {
     /// Draws the dialog; returns its answer once.
     pub(super) fn show(&mut self, ui: &Ui, reader: &mut FolderReader) -> Option<PromptAnswer> {
         reader.read(Some(&self.folder));
+        self.is_drawn = true;
         // Before the field takes the key.
         let (escape, enter) = ui.input_mut(|input| {
             let none = Modifiers::NONE;
@@ -123,7 +143,11 @@ impl Prompt {
                     }
                     if std::mem::take(&mut self.fresh) {
                         field.request_focus();
-                        select_stem(ui, field.id, &self.name);
+                        let (typed, stem) = (self.typed_before, stem_length(&self.name));
+                        // What is typed goes on behind what was typed, or replaces the name up to its ending.
+                        let selected = if typed > 0 { typed..typed } else { 0..stem };
+                        self.typed_before = 0;
+                        select(ui, field.id, selected);
                     } else if ui.memory(|memory| memory.focused().is_none()) {
                         // A click in the list takes it away, but what is typed is meant as a name.
                         field.request_focus();
@@ -319,11 +343,16 @@ fn drop_doubled_ending(name: &mut String, endings: &[&str]) {
     }
 }
 
-/// Selects a name up to its ending in the field `id`: what is typed replaces it, and the ending stays.
-fn select_stem(ui: &Ui, id: egui::Id, name: &str) {
-    let stem = Path::new(name).file_stem().map_or(0, |stem| stem.to_string_lossy().chars().count());
+/// Number of characters of a name before its ending.
+fn stem_length(name: &str) -> usize {
+    Path::new(name).file_stem().map_or(0, |stem| stem.to_string_lossy().chars().count())
+}
+
+/// Selects characters in the field `id`: what is typed replaces them.
+fn select(ui: &Ui, id: egui::Id, characters: Range<usize>) {
     let mut state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
-    state.cursor.set_char_range(Some(CCursorRange::two(CCursor::new(0), CCursor::new(stem))));
+    let range = CCursorRange::two(CCursor::new(characters.start), CCursor::new(characters.end));
+    state.cursor.set_char_range(Some(range));
     state.store(ui.ctx(), id);
 }
 

@@ -11,7 +11,7 @@ use crate::app::model::file_purpose::Purpose;
 
 /// Answer of the system's dialog.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum SystemAnswer {
+pub enum SystemAnswer {
     /// A file was chosen.
     Chosen(PathBuf),
     /// The dialog was closed without a file.
@@ -21,7 +21,11 @@ pub(super) enum SystemAnswer {
 }
 
 /// Opens the system's dialog and waits for its answer.
-pub(super) fn show_dialog(purpose: Purpose, suggestion: &str, folder: Option<&Path>) -> Option<PathBuf> {
+pub(super) fn show_dialog(purpose: Purpose, suggestion: &str, folder: Option<&Path>) -> SystemAnswer {
+    ask(|| choose(purpose, suggestion, folder))
+}
+
+fn choose(purpose: Purpose, suggestion: &str, folder: Option<&Path>) -> Option<PathBuf> {
     let (name, extensions) = purpose.filter();
     let mut dialog = rfd::FileDialog::new().set_title(purpose.title()).add_filter(name, extensions);
     if let Some(folder) = folder {
@@ -31,7 +35,7 @@ pub(super) fn show_dialog(purpose: Purpose, suggestion: &str, folder: Option<&Pa
 }
 
 /// Runs `dialog`, which shows a dialog of rfd on this thread, and says whether it opened.
-pub(super) fn ask(dialog: impl FnOnce() -> Option<PathBuf>) -> SystemAnswer {
+fn ask(dialog: impl FnOnce() -> Option<PathBuf>) -> SystemAnswer {
     static LISTEN: Once = Once::new();
     LISTEN.call_once(|| {
         // The command line has no logger; in a program that has one, errors of rfd stay unheard.

@@ -18,7 +18,12 @@ pub struct Activity {
     pub preview: String,
     /// Name and driver of the graphics device.
     pub device: String,
+    /// Whether the system's file dialog is awaited, which keeps the keys from the window.
+    pub awaits_file: bool,
 }
+
+/// Said while the system's file dialog is awaited.
+const AWAITS_FILE: &str = "Waiting for the system's file dialog (Esc: go on without it)";
 
 /// Width of the progress bar, points.
 const BAR: f32 = 130.0;
@@ -78,6 +83,7 @@ fn flank_message(state: &AppState) -> RichText {
 fn message(ui: &mut Ui, state: &AppState, activity: &Activity) {
     let running = activity.running.map(|(what, _)| what);
     let text = match (&state.notice, &state.results.planned) {
+        _ if activity.awaits_file => RichText::new(AWAITS_FILE).weak(),
         (Some(notice), _) => {
             let colour = Condition::Interfering.text(ui.visuals());
             match (notice.tone, state.problems.len()) {
@@ -109,7 +115,8 @@ fn message(ui: &mut Ui, state: &AppState, activity: &Activity) {
         }
         (None, None) => RichText::new("Ready").weak(),
     };
-    let tip = state.notice.as_ref().map(|notice| notice.text.clone());
+    let notice = state.notice.as_ref().filter(|_| !activity.awaits_file);
+    let tip = notice.map(|notice| notice.text.clone());
     let label = ui.add(Label::new(text).truncate());
     if let Some(tip) = tip {
         label.on_hover_text(tip);
