@@ -95,3 +95,33 @@ fn all_layers_are_reached_in_a_low_window() {
     window.run_steps(10);
     assert!(last(&window).bottom() < SIZE.y, "it scrolls to its end: {}", last(&window));
 }
+
+/// In a small window the message over two pictures is whole, with what to do.
+#[test]
+fn a_message_over_a_small_view_is_whole_with_its_cure() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("cut-off.glb");
+    let header = [*b"glTF", 2_u32.to_le_bytes(), 695_520_u32.to_le_bytes(), 0_u32.to_le_bytes()];
+    std::fs::write(&file, header.concat()).expect("writes");
+    let mut window = sample_in(scaled(fake::engine().0, 1.0));
+    window.set_size(egui::Vec2::new(800.0, 500.0));
+    window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::B);
+    window.run_steps(6);
+    settle(&mut window);
+    window.state_mut().open_path(file);
+    settle(&mut window);
+    window.run_steps(4);
+    let cure = |window: &Window| window.get_by_label_contains("Fix: the file seems cut off").rect();
+    let half = |side: &str| window.get_by_label(&format!("3D view, {side}")).rect();
+    let (view, shown) = (half("before").union(half("after")), cure(&window));
+    assert!(view.x_range().contains(shown.right()) && shown.bottom() < view.bottom(), "{shown} in {view}");
+    window.hover_at(shown.center_top() - egui::vec2(0.0, 8.0));
+    window.run_steps(2);
+    for _ in 0..5 {
+        turn_wheel(&mut window, -30.0, 2);
+    }
+    window.run_steps(10);
+    assert_eq!(cure(&window), shown, "there is nothing to scroll to");
+    let wipe = window.get_by_role_and_label(Role::Button, "Wipe").rect();
+    assert!(wipe.right() < view.right(), "{wipe} in {view}");
+}

@@ -48,6 +48,7 @@ pub fn side_switch(ui: &mut Ui, rect: Rect, look: &Look) -> Option<SwitchChoice>
     let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 10.0), egui::vec2(230.0, 30.0)).intersect(rect);
     floating(ui, at, |ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
+        fit_switch(ui);
         ui.horizontal(|ui| {
             let one = look.arrangement == Arrangement::One;
             for side in [Side::Before, Side::After] {
@@ -67,6 +68,16 @@ pub fn side_switch(ui: &mut Ui, rect: Rect, look: &Look) -> Option<SwitchChoice>
         });
     });
     chosen
+}
+
+/// Makes the buttons of the switch so narrow that all fit into a narrow view.
+fn fit_switch(ui: &mut Ui) {
+    let names = [Side::Before.label(), Side::After.label(), "Both", "Wipe"];
+    let texts: f32 = names.iter().map(|name| theme::width_of_text(ui, name)).sum();
+    let between = ui.spacing().item_spacing.x * (names.len() - 1) as f32;
+    let most = (ui.available_width() - texts - between) / (2 * names.len()) as f32;
+    let padding = &mut ui.spacing_mut().button_padding.x;
+    *padding = padding.min(most).max(0.0);
 }
 
 /// Policy of a side, below the switch; a list where several policies were planned.

@@ -1,5 +1,6 @@
 //! Problem messages with location and remedy, shown over the 3D view until they are dismissed or solved.
 
+use egui::style::ScrollStyle;
 use egui::{Align, Area, Frame, Id, Label, LayerId, Layout, Order, Rect, RichText, Ui};
 
 use crate::app::model::problem::{Problem, without_markdown};
@@ -18,12 +19,22 @@ const MAX_WIDTH: f32 = 560.0;
 const NOTE_WIDTH: f32 = 250.0;
 const CUBE_WIDTH: f32 = 80.0;
 const MIN_WIDTH: f32 = 360.0;
-/// Share of the view that they cover at most, and least height, points: what is more is scrolled to.
+/// Share of the view that they cover at most where the newest one fits into it, and least height, points:
+/// what is more is scrolled to.
 const MAX_SHARE: f32 = 0.4;
 const MIN_HEIGHT: f32 = 70.0;
 
 /// State by which they are coloured, notes apart.
 const MARK: Condition = Condition::Interfering;
+
+/// What the messages took in the frame before.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Room {
+    /// Height of the newest one, points: it is whole with what to do.
+    newest: f32,
+    /// Whether there is more than fits.
+    scrolls: bool,
+}
 
 /// What is wrong, and what to do.
 fn texts(ui: &mut Ui, problem: &Problem) {
@@ -60,30 +71,40 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
         is_new(ui, Vec::new());
         return 0.0;
     }
-    let (mut is_undone, mut dismissed) = (false, None);
+    let (mut is_undone, mut dismissed, mut newest) = (false, None, 0.0);
     let beside = whole.width() - NOTE_WIDTH - CUBE_WIDTH;
     let width = if beside < MIN_WIDTH { whole.width() - 20.0 } else { beside }.clamp(80.0, MAX_WIDTH);
     let left = if beside < MIN_WIDTH { 0.0 } else { NOTE_WIDTH };
     let corner = egui::pos2((whole.center().x - 0.5 * width).max(whole.left() + left), whole.top() + TOP);
     let at = Rect::from_min_max(corner, egui::pos2(corner.x + width, whole.bottom() - 4.0));
     let fill = ui.visuals().panel_fill;
-    let height = at.height().min((MAX_SHARE * whole.height() - TOP).max(MIN_HEIGHT));
+    let key = Id::unique("room of problems");
+    let room = ui.data(|data| data.get_temp::<Room>(key)).unwrap_or_default();
+    let share = MAX_SHARE * whole.height() - TOP;
+    let height = at.height().min(share.max(MIN_HEIGHT).max(room.newest));
     // A new one comes above the windows of panels: what a command in one of them reports is seen there, too.
     // Then a window that is clicked comes above them.
     let layer = LayerId::new(Order::Middle, Id::unique("problems"));
     if is_new(ui, state.problems.clone()) {
         ui.ctx().move_to_top(layer);
     }
+    // Where there is more than fits, a bar shows it without the pointer over it.
+    let bar = ScrollStyle::solid();
+    let width = if room.scrolls { width - bar.allocated_width() } else { width };
     let shown =
         Area::new(layer.id).order(layer.order).fixed_pos(at.min).movable(false).show(ui.ctx(), |ui| {
             ui.set_max_size(at.size());
-            scroll_area(height).id_salt("problems").show(ui, |ui| {
+            if room.scrolls {
+                ui.spacing_mut().scroll = bar;
+            }
+            let drawn = scroll_area(height).id_salt("problems").show(ui, |ui| {
                 ui.spacing_mut().item_spacing.y = 3.0;
                 for (k, problem) in state.problems.iter().enumerate().rev() {
                     let edge = ui.visuals().widgets.noninteractive.fg_stroke.color;
                     let edge = if problem.is_note() { edge } else { MARK.mark() };
                     let stroke = egui::Stroke::new(1.5, edge);
-                    Frame::new().fill(fill).stroke(stroke).inner_margin(6).corner_radius(3).show(ui, |ui| {
+                    let frame = Frame::new().fill(fill).stroke(stroke).inner_margin(6).corner_radius(3);
+                    let message = frame.show(ui, |ui| {
                         ui.set_width(width - 16.0);
                         // Beside the text, not below it: messages then cover less of the view.
                         ui.with_layout(Layout::right_to_left(Align::TOP), |ui| {
@@ -99,8 +120,17 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
                             ui.with_layout(Layout::top_down(Align::LEFT), |ui| texts(ui, problem));
                         });
                     });
+                    if k + 1 == state.problems.len() {
+                        newest = message.response.rect.height();
+                    }
                 }
             });
+            let scrolls = drawn.content_size.y > drawn.inner_rect.height() + 0.5;
+            let now = Room { newest, scrolls };
+            if now != room {
+                ui.data_mut(|data| data.insert_temp(key, now));
+                ui.ctx().request_repaint();
+            }
         });
     if let Some(k) = dismissed {
         state.dismiss_problem(k);
