@@ -208,6 +208,17 @@ fn the_goal_is_chosen_with_its_limit() {
             assert_eq!(shown > 0, field == Some(name), "{name} with {entry}");
         }
     }
+    // Before the plan of another goal is there, that is so as well.
+    choose(&mut window, "Goal", "Least total");
+    window.get_by_label_contains("With semi-finishing ");
+    window.get_by_label("Auto-update").click_accesskit();
+    window.run_steps(3);
+    choose(&mut window, "Goal", "Least time");
+    assert!(window.state().state().out_of_date());
+    assert!(window.query_by_label_contains("With semi-finishing ").is_none());
+    window.get_by_label("Auto-update").click_accesskit();
+    window.run_steps(3);
+    choose(&mut window, "Goal", "Least stock");
     assert_eq!(goal(&window), Goal::default());
     window.key_press(egui::Key::G);
     window.run_steps(3);

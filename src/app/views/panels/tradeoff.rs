@@ -139,8 +139,10 @@ fn show(
     let height = (ui.available_height() - below).max(MIN_HEIGHT);
     // The figures of the plan itself, where that is what the handle stands for.
     let finishing_s = state.results.planned.as_ref().and_then(|planned| planned.finishing_time_s);
-    let total = finishing_s.filter(|_| stands_at(handle, now, state)).map(|seconds| now + seconds / 60.0);
-    let total_of_plan = total.filter(|_| !totals.is_empty()).zip(stock_at(&curve, handle));
+    // Another goal than that of the plan does not count it.
+    let is_counted = matches!(goal, Goal::Total { .. }) && stands_at(handle, now, state);
+    let total = finishing_s.filter(|_| is_counted).map(|seconds| now + seconds / 60.0);
+    let total_of_plan = total.zip(stock_at(&curve, handle));
     let curves = Curves { plunging: &curve, totals: &totals, total_of_plan, others: &others };
     let dragged = plot(ui, &curves, handle, height);
     let top = ui.cursor().top();
@@ -185,7 +187,7 @@ fn show(
 
 const TIME_TIP: &str = "How long a channel may take, on the machine if the setup names one (else without tool changes and\n\
      accelerations): as much stock as fits that time is left.\n\
-     At the right end: whatever the least stock takes";
+     At the right end: whatever the least stock takes. Moved under another goal, it makes this one the goal";
 
 fn markers(policies: &[&crate::job::PolicyResult]) -> Vec<Marker> {
     let other = policies.iter().filter(|result| result.plan.policy != AxisPolicy::Minimal);

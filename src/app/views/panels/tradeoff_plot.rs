@@ -18,6 +18,8 @@ const OTHERS_SHOWN: f64 = 0.75;
 const MIN_WIDTH: f64 = 0.2;
 /// Radius of the handle, points.
 const HANDLE: f32 = 6.0;
+/// Least distance of a name from the line of the handle, points.
+const BESIDE_LINE: f32 = 3.0;
 /// Length of a mark at the border, points.
 const BORDER_MARK: f32 = 7.0;
 
@@ -187,6 +189,7 @@ pub fn plot(ui: &mut Ui, curves: &Curves, handle: f64, height: f32) -> Option<f6
             if at.x > inner.center().x { (-9.0, Align2::RIGHT_CENTER) } else { (9.0, Align2::LEFT_CENTER) };
         let text = painter.layout_no_wrap(name, font.clone(), ink);
         let wanted = align.anchor_size(at + Vec2::new(side, 0.0), text.size());
+        let wanted = beside_line(wanted, place((handle, 0.0)).x, inner);
         let free = free_place(wanted, &names);
         painter.galley(free.min, text, ink);
         names.push(free);
@@ -201,6 +204,19 @@ pub fn plot(ui: &mut Ui, curves: &Curves, handle: f64, height: f32) -> Option<f6
     let share = f64::from((pointer.x - inner.left()) / inner.width().max(1.0));
     let (fastest, slowest) = (curve.last()?.0, curve.first()?.0);
     Some((low + (high - low) * share).clamp(fastest, slowest))
+}
+
+/// The place of a text at `wanted`, or beside the vertical line at `x` where that would go through it: at the
+/// nearer side, within `plot` where it has room.
+fn beside_line(wanted: Rect, x: f32, plot: Rect) -> Rect {
+    if x < wanted.left() - BESIDE_LINE || x > wanted.right() + BESIDE_LINE {
+        return wanted;
+    }
+    let (right, left) = (x + BESIDE_LINE - wanted.left(), x - BESIDE_LINE - wanted.right());
+    let fits = |by: f32| wanted.left() + by >= plot.left() && wanted.right() + by <= plot.right();
+    let nearer_first = if right < -left { [right, left] } else { [left, right] };
+    let by = nearer_first.into_iter().find(|&by| fits(by)).unwrap_or(0.0);
+    wanted.translate(Vec2::new(by, 0.0))
 }
 
 /// The place of a text at `wanted`, or so far below that it is on none of `taken`.
@@ -278,6 +294,16 @@ mod tests {
             names.push(free);
         }
         assert_eq!(names[4], at(80.0), "it has its place");
+    }
+
+    #[test]
+    fn the_line_of_the_handle_goes_through_no_name() {
+        let plot = Rect::from_min_size(Pos2::ZERO, Vec2::new(200.0, 100.0));
+        let name = Rect::from_min_size(Pos2::new(100.0, 20.0), Vec2::new(60.0, 14.0));
+        assert_eq!(beside_line(name, 90.0, plot), name, "the line is beside it");
+        assert_eq!(beside_line(name, 102.0, plot).left(), 105.0, "moved to the right");
+        assert_eq!(beside_line(name, 158.0, plot).right(), 155.0, "moved to the left");
+        assert_eq!(beside_line(name.translate(Vec2::new(38.0, 0.0)), 142.0, plot).right(), 139.0, "no room");
     }
 
     #[test]
