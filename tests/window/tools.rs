@@ -519,4 +519,10 @@ fn what_a_library_of_fusion_would_lose_is_asked_about_before_it_is_written() {
     let text = std::fs::read_to_string(&shop).expect("reads");
     assert!(text.starts_with(FUSION.split("\n]").next().unwrap()), "its entries stay as they are: {text}");
     assert_eq!(read_library(&shop, LibraryFormat::FusionJson).expect("reads").tools.len(), 3);
+    // There is no file that could stay.
+    click(&mut window, "Save library…");
+    name_file(&mut window, &folder.path().join("new.json"));
+    press_enter(&mut window);
+    window.get_by_label("Write a Fusion library?");
+    window.get_by_label("A .toml library keeps all that is shown here.");
 }

@@ -78,7 +78,7 @@ pub const STOCK: ReleaseWords = ReleaseWords { title: "Export the stock of this 
 pub const LIBRARY: ReleaseWords = ReleaseWords {
     title: "Write a Fusion library?",
     above: "It is written anew from what Vanecut knows of the tools. It does not hold:",
-    below: "A .toml library keeps all that is shown here; the file of Fusion then stays as it is.",
+    below: "A .toml library keeps all that is shown here.",
     anyway: "Write anyway",
 };
 

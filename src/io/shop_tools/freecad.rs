@@ -71,11 +71,11 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
     let flute = length("CuttingEdgeHeight")?;
     let total = length("Length")?;
     let overhang = total.unwrap_or_else(|| {
-        notes.push("overhang assumed: 4 diameters".to_owned());
+        notes.push("stick-out assumed: 4 diameters".to_owned());
         OVERHANG_DIAMETERS * diameter
     });
     if total.is_some() {
-        notes.push("overhang assumed: the whole length of the tool".to_owned());
+        notes.push("stick-out assumed: the whole length of the tool".to_owned());
     }
     if let Some(long) = flute.filter(|flute| *flute > overhang) {
         notes.push(format!("the edges, {long} mm, are longer than the tool, {overhang} mm: cut to it"));

@@ -228,11 +228,11 @@ fn mill(entry: &Value, kind: &str, insert: AssumedInsert) -> Result<LibraryTool,
         notes.push("tapered: plans leave it out, they know cylindrical cutters only".to_owned());
     }
     let overhang = body.unwrap_or_else(|| {
-        notes.push("overhang assumed: 4 diameters, as the library has no body length".to_owned());
+        notes.push("stick-out assumed: 4 diameters, as the library has no body length".to_owned());
         OVERHANG_DIAMETERS * diameter
     });
     if let Some(long) = flute.filter(|flute| *flute > overhang) {
-        notes.push(format!("the flutes, {long} mm, are longer than the overhang {overhang} mm: cut to it"));
+        notes.push(format!("the flutes, {long} mm, are longer than the stick-out, {overhang} mm: cut to it"));
         flute = Some(overhang);
     }
     let is_centre_cutting = geometry.get("CSP").and_then(Value::as_bool) == Some(true);

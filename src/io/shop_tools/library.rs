@@ -152,7 +152,7 @@ impl LibraryTool {
         let mut given = vec![MISSING_RATE];
         given.extend(AssumedInsert::ALL.iter().filter(|insert| !insert.is_of(&tool)).map(|i| i.note()));
         let sizes = [
-            ("overhang assumed", before.overhang, tool.overhang),
+            ("stick-out assumed", before.overhang, tool.overhang),
             ("corner radius assumed", before.corner_radius, tool.corner_radius),
         ];
         given.extend(sizes.iter().filter(|(_, old, new)| old != new).map(|(note, ..)| *note));
