@@ -109,6 +109,21 @@ fn a_list_opens_above_the_dialog_however_often_that_was_open() {
 }
 
 #[test]
+fn a_machine_that_nobody_has_chosen_is_called_an_example() {
+    let mut window = with_sample(fake::engine().0);
+    ask(&mut window);
+    let example =
+        "ac-trunnion is an example, as the setup names no machine: choose the one that runs the program";
+    window.get_by_label(example);
+    choose_in_list(&mut window, "NC machine", "bc-head");
+    assert!(window.query_by_label_contains("is an example").is_none(), "it was chosen");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    ask(&mut window);
+    assert!(window.query_by_label_contains("is an example").is_none(), "it stays chosen");
+}
+
+#[test]
 fn a_plan_is_exported_for_the_machine_of_the_setup() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = with_machine("bc-trunnion");

@@ -382,13 +382,23 @@ impl App {
             Err(error) => return self.state.report_problem(Problem::from(&error)),
         };
         let target = last.as_ref().map_or(own, |last| last.target.clone());
+        // What was asked for last was chosen, or seen at least.
+        let is_example = machine.is_none() && last.as_ref().is_none_or(|last| last.is_example);
         let other = machine.filter(|machine| *machine != target.machine);
         let Some(operation) = self.exported_operation() else { return };
         let channel_count = self.channel_count();
         let channels = last.map_or(self.state.look.shown_channels, |last| last.channels);
         let channels = channels.clamp(1, channel_count);
         let machines = self.state.machines.clone();
-        self.nc_dialog.open(NcQuestion { operations, operation, channels, channel_count, target, machines });
+        self.nc_dialog.open(NcQuestion {
+            operations,
+            operation,
+            channels,
+            channel_count,
+            target,
+            machines,
+            is_example,
+        });
         // What was chosen for another machine stays.
         if let Some(machine) = other {
             self.nc_dialog.take(TargetChoice::Machine(machine));

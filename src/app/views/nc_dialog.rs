@@ -32,6 +32,8 @@ pub struct NcQuestion {
     pub target: PostTarget,
     /// Machines to choose from.
     pub machines: MachineList,
+    /// Whether nobody has chosen the machine: the setup names none.
+    pub is_example: bool,
 }
 
 impl NcQuestion {
@@ -97,6 +99,7 @@ impl NcDialog {
     /// where that is the post that was chosen for the machine before, the machine's own takes its place.
     pub fn take(&mut self, choice: TargetChoice) {
         let Some(question) = &mut self.question else { return };
+        question.is_example &= !matches!(choice, TargetChoice::Machine(_));
         let (chosen, own) = match &choice {
             TargetChoice::Machine(name) => {
                 (question.target.with_machine(name), PostTarget::of_machine(name).ok())
@@ -136,6 +139,11 @@ impl NcDialog {
             ui.label(RichText::new("Export NC program").strong());
             ui.add_space(4.0);
             (answer, changed) = form(ui, question, order);
+            if question.is_example {
+                let text = format!("{}{EXAMPLE}", question.target.machine);
+                let text = RichText::new(text).color(Condition::Blocked.text(ui.visuals()));
+                ui.add(Label::new(text).wrap());
+            }
             show_remark(ui, remark);
             ui.add_space(4.0);
             ui.add(Label::new(&question.target.retract).wrap());
@@ -248,6 +256,8 @@ fn form(
     (opens_post.then_some(NcAnswer::OpenPost), changed)
 }
 
+/// Behind the name of a machine that nobody has chosen.
+const EXAMPLE: &str = " is an example, as the setup names no machine: choose the one that runs the program";
 const UNPROVEN: &str =
     "No program of this kind has run on a real control yet: read it first, and run it block by block in air";
 const MACHINE_TIP: &str = "The machine that runs the program: its axes, limits and conventions.\n\
