@@ -193,7 +193,7 @@ commands! {
     PassesByLayer "Passes by layer" "Colours the flank passes by layer" [];
     PassesByRegion "Passes by region" "Colours the flank passes by region of the channel" [];
     PassesByFeed "Passes by feed rate"
-        "Colours the flank passes by feed rate: dark slow, light fast" [];
+        "Colours the flank passes by feed rate, from slow to fast" [];
     PassesByWalls "Passes by walls"
         "Colours the walls by what flank milling leaves on them, and by overcut" [];
     TextLarger "Text size: larger" "Makes text and controls larger (Ctrl +)" [];

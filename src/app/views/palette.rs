@@ -262,6 +262,7 @@ mod tests {
         ] {
             assert_eq!(find_commands(words).first(), Some(&first), "{words}");
         }
+        assert!(!find_commands("light").contains(&Command::PassesByFeed), "it is about no light");
         assert!(find_commands("simulate").contains(&Command::Play));
         assert!(find_commands("conventional").contains(&Command::BeforeAfter), "tips count");
         assert!(find_commands("no such thing").is_empty());
