@@ -226,7 +226,7 @@ fn plan_text(
     let edits = outcome.setup.plunge.edits.len();
     if edits > 0 {
         let count = outcome.edits.unapplied.len();
-        text += &format!("edited by hand: {edits} edits, {count} not applied\n");
+        text += &edits_text(edits, count);
         text += &unapplied_text(outcome);
     }
     if let Some(missed) = words::missed_goal(outcome, |mm| format!("{mm:.3} mm")) {
@@ -278,6 +278,12 @@ fn plan_text(
     text
 }
 
+/// How many edits by hand a plan has, and how many of them are not in it.
+fn edits_text(count: usize, unapplied: usize) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("edited by hand: {count} edit{plural}, {unapplied} not applied\n")
+}
+
 /// Fails when the plan was stopped, its program has faults, or the planning loop did not converge.
 fn check_result(outcome: &PlanOutcome, report: &PlungeReport, name: &str) -> Result<(), Failure> {
     let plan = &outcome.after.plan;
@@ -308,4 +314,15 @@ fn check_result(outcome: &PlanOutcome, report: &PlungeReport, name: &str) -> Res
         return Err(Failure::work(ErrorCode::PlanIncomplete, what, "use smaller cutters or steps"));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::edits_text;
+
+    #[test]
+    fn one_edit_is_no_edits() {
+        assert_eq!(edits_text(1, 0), "edited by hand: 1 edit, 0 not applied\n");
+        assert_eq!(edits_text(2, 1), "edited by hand: 2 edits, 1 not applied\n");
+    }
 }
