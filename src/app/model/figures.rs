@@ -102,28 +102,96 @@ pub fn format_percent(share: f64) -> String {
 
 /// Duration in s, min or h, from seconds.
 pub fn format_duration(seconds: f64) -> String {
-    if !seconds.is_finite() || seconds < 0.0 {
-        return "-".to_owned();
+    DurationUnit::for_all([seconds]).text(seconds)
+}
+
+/// Unit of durations that are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DurationUnit {
+    /// s.
+    Second,
+    /// min.
+    Minute,
+    /// h.
+    Hour,
+}
+
+impl DurationUnit {
+    /// The unit that suits the shortest of `seconds`.
+    pub fn for_all(seconds: impl IntoIterator<Item = f64>) -> Self {
+        let known = seconds.into_iter().filter(|seconds| seconds.is_finite() && *seconds >= 0.0);
+        match known.fold(f64::INFINITY, f64::min) / 60.0 {
+            minutes if minutes < 1.0 => Self::Second,
+            minutes if minutes < 90.0 => Self::Minute,
+            _ => Self::Hour,
+        }
     }
-    let minutes = seconds / 60.0;
-    match minutes {
-        m if m < 1.0 => format!("{seconds:.0} s"),
-        m if m < 90.0 => format!("{m:.0} min"),
-        m => format!("{:.1} h", m / 60.0),
+
+    /// A duration in this unit, from seconds.
+    pub fn text(self, seconds: f64) -> String {
+        if !seconds.is_finite() || seconds < 0.0 {
+            return "-".to_owned();
+        }
+        match self {
+            Self::Second => format!("{seconds:.0} s"),
+            Self::Minute => format!("{:.0} min", seconds / 60.0),
+            Self::Hour => format!("{:.1} h", seconds / 3600.0),
+        }
     }
+}
+
+/// Units of the times of channels and of wheels that are compared.
+#[derive(Clone, Copy, Debug)]
+pub struct TimeUnits {
+    /// Of channels.
+    pub channel: DurationUnit,
+    /// Of wheels.
+    pub wheel: DurationUnit,
+}
+
+impl TimeUnits {
+    /// Those of times of channel and wheel, from seconds.
+    pub fn for_all(times: &[(f64, f64)]) -> Self {
+        Self {
+            channel: DurationUnit::for_all(times.iter().map(|(channel, _)| *channel)),
+            wheel: DurationUnit::for_all(times.iter().map(|(_, wheel)| *wheel)),
+        }
+    }
+
+    /// Those of plunge plans for a wheel of `channels` channels.
+    pub fn of_plans<'a>(summaries: impl IntoIterator<Item = &'a Summary>, channels: usize) -> Self {
+        let known = summaries.into_iter().filter(|summary| !summary.is_refused);
+        let times: Vec<(f64, f64)> = known.map(|summary| plan_times(summary, channels)).collect();
+        Self::for_all(&times)
+    }
+
+    /// Time of one channel, and of the whole wheel; from seconds.
+    pub fn text(self, channel_s: f64, wheel_s: f64) -> String {
+        format!("{} per channel, {} wheel", self.channel.text(channel_s), self.wheel.text(wheel_s))
+    }
+
+    /// Time of a plunge plan for one channel, and for the whole wheel of `channels` channels.
+    pub fn plan_text(self, summary: &Summary, channels: usize) -> String {
+        if summary.is_refused {
+            return NOT_ON_MACHINE.to_owned();
+        }
+        let (channel_s, wheel_s) = plan_times(summary, channels);
+        self.text(channel_s, wheel_s)
+    }
+}
+
+fn plan_times(summary: &Summary, channels: usize) -> (f64, f64) {
+    (summary.time_s(), summary.time_of_channels_s(channels, channels))
 }
 
 /// Time of one channel, and of the whole wheel; from seconds.
 pub fn format_times(channel_s: f64, wheel_s: f64) -> String {
-    format!("{} per channel, {} wheel", format_duration(channel_s), format_duration(wheel_s))
+    TimeUnits::for_all(&[(channel_s, wheel_s)]).text(channel_s, wheel_s)
 }
 
 /// Time of a plunge plan for one channel, and for the whole wheel of `channels` channels.
 pub fn format_plan_times(summary: &Summary, channels: usize) -> String {
-    if summary.is_refused {
-        return NOT_ON_MACHINE.to_owned();
-    }
-    format_times(summary.time_s(), summary.time_of_channels_s(channels, channels))
+    TimeUnits::of_plans([summary], channels).plan_text(summary, channels)
 }
 
 /// What times count that are those of the machine.
@@ -157,8 +225,18 @@ pub fn format_clock(seconds: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::policy_tip;
+    use super::{DurationUnit, TimeUnits, format_duration, policy_tip};
     use crate::setup::AxisPolicy;
+
+    #[test]
+    fn times_that_are_compared_have_one_unit() {
+        assert_eq!(format_duration(5400.0), "1.5 h", "alone");
+        let units = TimeUnits::for_all(&[(5400.0, 33_480.0), (2640.0, 15_480.0)]);
+        assert_eq!(units.text(5400.0, 33_480.0), "90 min per channel, 9.3 h wheel");
+        assert_eq!(units.text(2640.0, 15_480.0), "44 min per channel, 4.3 h wheel");
+        assert_eq!(DurationUnit::for_all([f64::NAN, 30.0]), DurationUnit::Second);
+        assert_eq!(DurationUnit::Minute.text(f64::NAN), "-");
+    }
 
     #[test]
     fn the_tip_of_a_strategy_has_its_name_in_files() {

@@ -2,7 +2,7 @@
 
 use egui::{Button, Role, Ui, WidgetInfo};
 
-use crate::app::model::figures::format_duration;
+use crate::app::model::figures::{TimeUnits, format_duration};
 use crate::app::model::look::Operation;
 use crate::app::model::planned::Side;
 use crate::app::model::state::AppState;
@@ -10,21 +10,24 @@ use crate::app::model::verdict::{self, count_faults};
 use crate::app::views::command::Command;
 use crate::app::views::list_keys;
 use crate::app::views::theme::Condition;
+use crate::job::PolicyResult;
 
 /// State of an operation, in words and as a condition.
 fn status(
     state: &AppState,
     operation: Operation,
     running: Option<&'static str>,
+    units: TimeUnits,
 ) -> (String, Option<Condition>) {
-    let channels = state.document.part.as_ref().map_or(1, |part| part.impeller.blade_count);
+    let times = |(channel_s, wheel_s): (f64, Option<f64>)| match wheel_s {
+        Some(wheel) => format!("{}, wheel {}", units.channel.text(channel_s), units.wheel.text(wheel)),
+        None => units.channel.text(channel_s),
+    };
     let (times, (condition, wrong), is_stale) = match operation {
         Operation::Roughing => {
             let Some(shown) = state.last_whole_plan(Side::After) else { return unplanned(running) };
             let result = shown.planned.result(shown.policy);
-            let summary = &result.summary;
-            let times = times(summary.time_s(), summary.time_of_channels_s(channels, channels));
-            (times, verdict::of_plunges(state, result), state.out_of_date())
+            (times(roughing_times(state, result)), verdict::of_plunges(state, result), state.out_of_date())
         }
         Operation::Program => {
             let Some(checked) = &state.results.checked else {
@@ -38,11 +41,11 @@ fn status(
         }
         Operation::Flank => {
             let Some(outcome) = &state.results.flank else { return unplanned(running) };
-            let times = match outcome.wheel_time_s {
-                Some(wheel) => times(outcome.time_s(), wheel),
-                None => format_duration(outcome.time_s()),
-            };
-            (times, verdict::of_flank(state, outcome), state.flank_is_stale())
+            (
+                times((outcome.time_s(), outcome.wheel_time_s)),
+                verdict::of_flank(state, outcome),
+                state.flank_is_stale(),
+            )
         }
     };
     if let Some(running) = running {
@@ -54,9 +57,21 @@ fn status(
     }
 }
 
-/// Time of a channel, and of the wheel; from seconds.
-fn times(channel_s: f64, wheel_s: f64) -> String {
-    format!("{}, wheel {}", format_duration(channel_s), format_duration(wheel_s))
+/// Time of a channel, and of the wheel, s.
+fn roughing_times(state: &AppState, result: &PolicyResult) -> (f64, Option<f64>) {
+    let channels = state.document.part.as_ref().map_or(1, |part| part.impeller.blade_count);
+    (result.summary.time_s(), Some(result.summary.time_of_channels_s(channels, channels)))
+}
+
+/// Units of the times of both operations, which stand below each other.
+fn units(state: &AppState) -> TimeUnits {
+    let roughing = state.last_whole_plan(Side::After).map(|shown| shown.planned.result(shown.policy));
+    let roughing = roughing.map(|result| roughing_times(state, result));
+    let flank = state.results.flank.as_ref().map(|outcome| (outcome.time_s(), outcome.wheel_time_s));
+    let times = roughing.into_iter().chain(flank);
+    TimeUnits::for_all(
+        &times.map(|(channel, wheel)| (channel, wheel.unwrap_or(f64::NAN))).collect::<Vec<_>>(),
+    )
 }
 
 fn unplanned(running: Option<&'static str>) -> (String, Option<Condition>) {
@@ -72,6 +87,7 @@ pub fn show(
 ) -> Option<Operation> {
     let mut clicked = None;
     let mut shown = Vec::new();
+    let units = units(state);
     let all = [
         (Operation::Roughing, Command::Plan),
         (Operation::Flank, Command::PlanFlank),
@@ -83,7 +99,7 @@ pub fn show(
             continue;
         }
         let selected = state.look.operation == operation;
-        let (words, condition) = status(state, operation, running(operation));
+        let (words, condition) = status(state, operation, running(operation), units);
         let visuals = ui.visuals();
         let colour = match condition {
             // The colours of conditions are too pale on that of the selection.

@@ -6,7 +6,7 @@ use crate::job::PolicyResult;
 use crate::setup::AxisPolicy;
 
 use crate::app::model::figures::{
-    INTERFERING_TIP, MAX_GOOD_UNCUT_SHARE, format_percent, format_plan_times, format_residual, policy_label,
+    INTERFERING_TIP, MAX_GOOD_UNCUT_SHARE, TimeUnits, format_percent, format_residual, policy_label,
     policy_tip, times_tip,
 };
 use crate::app::model::planned::DisplayPlan;
@@ -25,24 +25,27 @@ pub fn show(
     ui.checkbox(compare, Command::CompareAll.label())
         .on_hover_text("The next calculation plans every strategy, not only the chosen one");
     let Some(whole) = planned.or(preview) else { return };
-    for policy in AxisPolicy::ALL {
+    let channels = whole.outcome.workpiece.part.blade_count;
+    let shown = |policy: AxisPolicy| {
         let (of, is_stale) = match preview.filter(|preview| preview.has(policy)) {
             Some(preview) => (preview, false),
             None => (whole, is_stale),
         };
-        if !of.has(policy) {
-            continue;
-        }
+        of.has(policy).then(|| (of.result(policy), is_stale))
+    };
+    let shown: Vec<(&PolicyResult, bool)> = AxisPolicy::ALL.into_iter().filter_map(shown).collect();
+    let times = TimeUnits::of_plans(shown.iter().map(|(result, _)| &result.summary), channels);
+    for (result, is_stale) in shown {
+        let policy = result.plan.policy;
         let name = RichText::new(policy_label(policy));
         let is_asked = policy == whole.outcome.after.plan.policy;
-        let channels = whole.outcome.workpiece.part.blade_count;
         let name = if is_asked { name.strong() } else { name };
-        lines(ui, name, of.result(policy), (channels, is_stale));
+        lines(ui, name, result, (&times.plan_text(&result.summary, channels), is_stale));
     }
 }
 
 /// Figures of a policy in three lines, four where the panel is narrow; a table would be wider than it.
-fn lines(ui: &mut Ui, name: RichText, result: &PolicyResult, (channels, is_stale): (usize, bool)) {
+fn lines(ui: &mut Ui, name: RichText, result: &PolicyResult, (times, is_stale): (&str, bool)) {
     let summary = &result.summary;
     let count = result.plan.count_interfering();
     let verdict = format!("{count} interfering");
@@ -78,5 +81,5 @@ fn lines(ui: &mut Ui, name: RichText, result: &PolicyResult, (channels, is_stale
         };
         ui.label(uncut).on_hover_text("Share of the accessible floor that is not machined");
     });
-    ui.label(RichText::new(format_plan_times(summary, channels)).weak()).on_hover_text(times_tip(summary));
+    ui.label(RichText::new(times).weak()).on_hover_text(times_tip(summary));
 }

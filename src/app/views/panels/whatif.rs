@@ -6,7 +6,7 @@ use crate::io::project_file::SetFigures;
 use crate::io::setup_file::write_full_setup;
 use crate::setup::Setup;
 
-use crate::app::model::figures::{INTERFERING_TIP, format_duration};
+use crate::app::model::figures::{INTERFERING_TIP, TimeUnits};
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
@@ -40,8 +40,12 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     });
     ui.label(RichText::new("Current setup").weak());
     let channels = state.document.part.as_ref().map_or(1, |part| part.impeller.blade_count);
-    cells(ui, state.results.figures(&state.document.edited.setup), channels);
     let edited = &mut state.document.edited;
+    let shown = edited.sets.iter().map(|set| &set.setup).chain([&edited.setup]);
+    let times =
+        shown.filter_map(|setup| state.results.figures(setup)).map(|f| (f.time, wheel_time(&f, channels)));
+    let times = TimeUnits::for_all(&times.collect::<Vec<_>>());
+    cells(ui, state.results.figures(&edited.setup), channels, times);
     for (k, set) in edited.sets.iter_mut().enumerate() {
         ui.separator();
         ui.horizontal(|ui| {
@@ -57,7 +61,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
                 removed = Some(k);
             }
         });
-        cells(ui, state.results.figures(&set.setup), channels);
+        cells(ui, state.results.figures(&set.setup), channels, times);
     }
     // What was done before is a step of its own.
     if is_begun || used.is_some() || removed.is_some() {
@@ -99,7 +103,13 @@ fn row(ui: &mut Ui, mut cell: impl FnMut(&mut Ui, usize)) {
     });
 }
 
-fn cells(ui: &mut Ui, figures: Option<SetFigures>, channels: usize) {
+/// Time of all channels, s.
+fn wheel_time(figures: &SetFigures, channels: usize) -> f64 {
+    // Older projects do not have it: links from channel to channel are then left out.
+    figures.wheel_time.unwrap_or(figures.time * channels as f64)
+}
+
+fn cells(ui: &mut Ui, figures: Option<SetFigures>, channels: usize, times: TimeUnits) {
     let Some(f) = figures else {
         ui.label(RichText::new("Not calculated yet").weak()).on_hover_text("Load it to calculate it");
         return;
@@ -110,12 +120,11 @@ fn cells(ui: &mut Ui, figures: Option<SetFigures>, channels: usize) {
             0 => RichText::new(f.positions.to_string()),
             1 => RichText::new(f.interferential.to_string()).color(of.text(ui.visuals())),
             2 => RichText::new(units::display_units(ui).pair(f.residual_mean, f.residual_p95, 2)),
-            // Older projects do not have it: links from channel to channel are then left out.
-            _ => RichText::new(format_duration(f.wheel_time.unwrap_or(f.time * channels as f64))),
+            _ => RichText::new(times.wheel.text(wheel_time(&f, channels))),
         };
         let label = ui.label(text);
         if k == 3 {
-            label.on_hover_text(format!("{} per channel", format_duration(f.time)));
+            label.on_hover_text(format!("{} per channel", times.channel.text(f.time)));
         }
     });
 }
