@@ -15,6 +15,12 @@ pub fn default_step(tool: &Tool) -> f64 {
     STEP_INSERT_WIDTHS * tool.insert_width
 }
 
+/// The most that a step along a row of `tool` may be, whatever the setup asks for, mm: what insert width and
+/// stick-out permit, and its radius.
+pub fn max_step(tool: &Tool) -> f64 {
+    step_by_stick_out(tool).min(tool.radius())
+}
+
 /// Stepover between rows where the setup gives none, mm.
 pub fn default_stepover(tool: &Tool) -> f64 {
     STEPOVER_RADII * tool.radius()
@@ -23,9 +29,8 @@ pub fn default_stepover(tool: &Tool) -> f64 {
 /// Upper limit of the step along a row, mm: what insert width and stick-out permit and the `step` of the
 /// setup, and for wall rows the step S ≤ 2·√(2Rh − h²) that leaves the scallop height h.
 pub fn step_limit(plunge: &PlungeSetup, tool: &Tool, wall_row: bool) -> f64 {
-    let radius = tool.radius();
     let asked = plunge.step.unwrap_or_else(|| default_step(tool));
-    let limit = step_by_stick_out(tool).min(radius).min(asked);
+    let limit = max_step(tool).min(asked);
     if wall_row { limit.min(scallop_step(plunge, tool)) } else { limit }
 }
 

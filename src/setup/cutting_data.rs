@@ -264,12 +264,16 @@ pub fn usual_feed(
     }
 }
 
-/// Greatest step along a row that insert width and stick-out of `tool` permit, mm.
-pub fn step_by_stick_out(tool: &Tool) -> f64 {
+/// Share of the insert width that a step along a row may be at most, by the stick-out of `tool`.
+pub fn step_share_by_stick_out(tool: &Tool) -> f64 {
     let table: &[(f64, f64)] = if tool.diameter < INSERTS_FROM { &STEP_OF_SOLID } else { &STEP_OF_INSERTS };
     let slender = tool.overhang / tool.diameter;
-    let share = table.iter().find(|(most, _)| slender <= *most).map_or(0.5, |(_, share)| *share);
-    share * tool.insert_width
+    table.iter().find(|(most, _)| slender <= *most).map_or(0.5, |(_, share)| *share)
+}
+
+/// Greatest step along a row that insert width and stick-out of `tool` permit, mm.
+pub fn step_by_stick_out(tool: &Tool) -> f64 {
+    step_share_by_stick_out(tool) * tool.insert_width
 }
 
 /// Feed rate of a plunge of `tool`, mm/min, with an engaged arc of at most `arc_rad`: `None` where the tool

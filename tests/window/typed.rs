@@ -465,3 +465,29 @@ fn a_refusal_is_one_line_and_is_over_when_a_value_is_left_in_a_field() {
         assert_eq!(below(&window), before);
     }
 }
+
+/// A step that is longer than the tool takes changes nothing: the field says so.
+#[test]
+fn a_step_and_a_lead_out_that_the_tool_does_not_take_are_said_at_their_fields() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 1600.0));
+    window.run_steps(3);
+    let count = |window: &Window| window.query_all_by_label_contains("T1 takes at most ").count();
+    let set_lead_out = |window: &mut Window, mm: f64| {
+        window.get_by_role_and_label(Role::SpinButton, "Lead-out").set_value_accesskit(mm);
+        window.run_steps(3);
+        settle(window);
+    };
+    assert_eq!(count(&window), 0);
+    type_into(&mut window, ("Step", 0), "6");
+    assert_eq!(count(&window), 0, "it is taken");
+    type_into(&mut window, ("Step", 0), "90");
+    window.get_by_label_contains("its insert width of ");
+    // The planner of the test takes a tool D 20 for such a step.
+    set_lead_out(&mut window, 19.0);
+    window.get_by_label_contains("T1 takes at most 10 mm: its radius");
+    type_into(&mut window, ("Step", 0), "auto");
+    set_lead_out(&mut window, 3.0);
+    assert_eq!(count(&window), 0);
+}

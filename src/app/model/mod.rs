@@ -38,6 +38,7 @@ pub mod shop_library;
 pub mod shown_channels;
 pub mod solid;
 pub mod state;
+pub mod step_note;
 pub mod study_table;
 pub mod table_scroll;
 pub mod timeline_program;

@@ -10,7 +10,9 @@ use egui::{Color32, ComboBox, DragValue, Grid, Response, Sense, Slider, Ui, Vec2
 
 use crate::app::model::machine_list::MachineList;
 use crate::app::model::number::Quantity;
+use crate::app::model::step_note::FieldNote;
 use crate::app::model::units::DisplayUnits;
+use crate::app::views::theme::Condition;
 use crate::app::views::typed::{self, Typed, TypedLimits};
 use crate::app::views::{field_faults, list_keys, theme, units};
 use crate::geometry::without_conversion_error;
@@ -186,30 +188,49 @@ fn is_zero(text: &str) -> bool {
 
 /// A form row with label, box, dot and slider; `true` when the value changed.
 pub fn number_row(ui: &mut Ui, value: &mut f64, default: f64, spec: &FieldSpec) -> bool {
-    labelled(ui, value, Some(default), spec, None)
+    labelled(ui, value, Some(default), (spec, None), None)
 }
 
 /// Like [`number_row`], for a value without a default.
 pub fn plain_row(ui: &mut Ui, value: &mut f64, spec: &FieldSpec) -> bool {
-    labelled(ui, value, None, spec, None)
+    labelled(ui, value, None, (spec, None), None)
 }
 
 /// Like [`number_row`], for an optional value: 0 means that it is absent, in most cases automatic. `now`: the
 /// automatic value, at which the slider stands then, and dragging begins.
 pub fn optional_row(ui: &mut Ui, value: &mut Option<f64>, spec: &FieldSpec, now: Option<f64>) -> bool {
-    row_or_automatic(ui, value, spec, Automatic { words: spec.absent, now })
+    row_or_automatic(ui, value, (spec, None), Automatic { words: spec.absent, now })
+}
+
+/// What is said at a field that has a value: the line below it, and the whole text.
+type NoteOf<'a> = &'a dyn Fn(f64) -> Option<FieldNote>;
+
+/// Like [`optional_row`]; `note`: what is said at a value that is not taken as it is.
+pub fn noted_row(
+    ui: &mut Ui,
+    value: &mut Option<f64>,
+    spec: &FieldSpec,
+    now: Option<f64>,
+    note: NoteOf<'_>,
+) -> bool {
+    row_or_automatic(ui, value, (spec, Some(note)), Automatic { words: spec.absent, now })
 }
 
 /// Like [`optional_row`], where the automatic value follows from others: it is shown as such.
 pub fn derived_row(ui: &mut Ui, value: &mut Option<f64>, automatic: f64, spec: &FieldSpec) -> bool {
     let words = format!("{} {}", spec.absent, show(automatic, spec, units::display_units(ui)));
-    row_or_automatic(ui, value, spec, Automatic { words: &words, now: Some(automatic) })
+    row_or_automatic(ui, value, (spec, None), Automatic { words: &words, now: Some(automatic) })
 }
 
 /// Row of an optional value, with what stands for an absent one.
-fn row_or_automatic(ui: &mut Ui, value: &mut Option<f64>, spec: &FieldSpec, absent: Automatic) -> bool {
+fn row_or_automatic(
+    ui: &mut Ui,
+    value: &mut Option<f64>,
+    (spec, note): (&FieldSpec, Option<NoteOf<'_>>),
+    absent: Automatic,
+) -> bool {
     let mut number = value.unwrap_or(0.0);
-    let changed = labelled(ui, &mut number, Some(0.0), spec, Some(absent));
+    let changed = labelled(ui, &mut number, Some(0.0), (spec, note), Some(absent));
     if changed {
         *value = (number > 0.0).then(|| number.max(spec.min));
     }
@@ -380,7 +401,7 @@ fn labelled(
     ui: &mut Ui,
     value: &mut f64,
     default: Option<f64>,
-    spec: &FieldSpec,
+    (spec, note): (&FieldSpec, Option<NoteOf<'_>>),
     automatic: Option<Automatic>,
 ) -> bool {
     let (before, form) = (*value, ui.scope_id());
@@ -408,6 +429,9 @@ fn labelled(
         }
         field_faults::show(ui, spec.label, at, *value != before);
         typed::show(ui, form, spec.label, *value, at);
+        if let Some([line, text]) = note.filter(|_| *value > 0.0).and_then(|note| note(*value)) {
+            field_faults::mark_in_a_line(ui, at, [&line, &text], (Condition::Blocked, 1.0));
+        }
     });
     ui.end_row();
     *value != before

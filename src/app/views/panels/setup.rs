@@ -3,7 +3,7 @@
 use egui::{ComboBox, Key, PopupCloseBehavior, RichText, Role, TextEdit, Ui, WidgetInfo};
 
 use crate::part::BlankShape;
-use crate::plunge::spacing::{default_step, default_stepover};
+use crate::plunge::spacing::{default_step, default_stepover, max_step};
 use crate::setup::cutting_data::{CUTTING_DATA, CuttingData};
 use crate::setup::{AxisPolicy, Setup};
 
@@ -13,8 +13,10 @@ use crate::app::model::figures::{policy_label, policy_tip};
 use crate::app::model::known_goals::KnownGoals;
 use crate::app::model::problem::as_sentence;
 use crate::app::model::setup_tools;
+use crate::app::model::step_note::{lead_out_note, step_note};
 use crate::app::views::command::Command;
 use crate::app::views::theme::{self, Condition};
+use crate::app::views::units;
 
 const POLICY: ChoiceSpec<AxisPolicy> = ChoiceSpec {
     label: "Axis strategy",
@@ -27,6 +29,8 @@ const POLICY: ChoiceSpec<AxisPolicy> = ChoiceSpec {
 const STEP: FieldSpec = FieldSpec::mm(
     "Step",
     "Maximum distance of neighbouring axes along a row; auto: 0.8 × each tool's insert width.\n\
+     A tool takes at most its insert width, less where its stick-out is beyond 4 diameters (5 below D 13),\n\
+     and at most its radius; along walls the wall scallop permits less.\n\
      Smaller: less stock between plunges and less core contact, but more plunges and time",
     0.5,
     100.0,
@@ -263,20 +267,26 @@ pub fn plunge(
 ) {
     let first = chosen.and_then(|chosen| chosen.tools.first());
     let Setup { plunge: default, machine, .. } = defaults;
+    let units = units::display_units(ui);
+    // Those of the last plan where the program chooses them.
+    let tools =
+        if setup.tools.is_empty() { chosen.map_or(&[][..], |chosen| &chosen.tools) } else { &setup.tools };
     fields::form(ui, "plunge fields", |ui| {
         fields::choice_row(ui, &mut setup.plunge.axis, default.axis, &POLICY);
         // The usual goal needs no rows here: it is chosen beside the curve of time against stock.
         if setup.plunge.axis == AxisPolicy::Minimal && setup.plunge.goal != default.goal {
             goal_rows(ui, &mut setup.plunge.goal, known, default.goal, first);
         }
-        let (step, stepover) = (first.map(default_step), first.map(default_stepover));
-        fields::optional_row(ui, &mut setup.plunge.step, &STEP, step);
+        let step = first.map(|tool| default_step(tool).min(max_step(tool)));
+        let stepover = first.map(default_stepover);
+        fields::noted_row(ui, &mut setup.plunge.step, &STEP, step, &|mm| step_note(mm, tools, units));
         fields::optional_row(ui, &mut setup.plunge.stepover, &STEPOVER, stepover);
         fields::angle_row(ui, &mut setup.plunge.max_tilt_rad, default.max_tilt_rad, &TILT);
         fields::angle_row(ui, &mut setup.machine.max_axis_tilt_rad, machine.max_axis_tilt_rad, &MACHINE);
         fields::angle_row(ui, &mut setup.plunge.max_axis_change_rad, default.max_axis_change_rad, &CHANGE);
         fields::number_row(ui, &mut setup.plunge.wall_scallop, default.wall_scallop, &SCALLOP);
-        fields::optional_row(ui, &mut setup.plunge.lead_out, &LEAD_OUT, None);
+        let lead_out = &mut setup.plunge.lead_out;
+        fields::noted_row(ui, lead_out, &LEAD_OUT, None, &|mm| lead_out_note(mm, tools, units));
         fields::optional_row(ui, &mut setup.plunge.peck, &PECK, None);
         let rapid = &mut setup.plunge.rapid_approach;
         fields::switch_row(ui, rapid, default.rapid_approach, "Rapid approach", RAPID_APPROACH);
