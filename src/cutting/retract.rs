@@ -180,15 +180,19 @@ pub fn max_retract(blank: &Blank) -> f64 {
 /// that surface represents by their circles. It moves it by [`max_retract`] at most.
 pub fn retract_clear(cutter: &CutterSolid, clearance: f64, blank: &Blank, safety: f64) -> (Point, f64) {
     let (mut cutter, mut clearance) = (*cutter, clearance);
-    let mut left = max_retract(blank);
+    let most = max_retract(blank);
+    let (mut way, mut gained) = (0.0_f64, true);
     for _ in 0..MAX_RETRACT_STEPS {
-        if clearance >= safety || left <= 0.0 {
+        if clearance >= safety || way >= most {
             break;
         }
-        let step = (1.5 * (safety - clearance) + 1e-3).min(left);
-        left -= step;
+        let missing = safety - clearance;
+        // Along a wall the clearance stays, however small it is: the way is doubled.
+        let step = (1.5 * missing + 1e-3).max(if gained { 0.0 } else { way }).min(most - way);
+        way += step;
         cutter.tip += cutter.axis * step;
         clearance = bottom_clearance(&cutter, blank);
+        gained = safety - clearance < 0.5 * missing;
     }
     (cutter.tip, clearance)
 }

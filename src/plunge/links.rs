@@ -163,12 +163,23 @@ impl<E> Links<'_, E> {
             let lift = (1.0 + 0.3 * round as f64) * needed + 0.5 * self.safety.max(0.1);
             for end in k..=k + 1 {
                 let lift = lift.min(limit - self.raised[end]).max(0.0);
-                self.raised[end] += lift;
-                self.retracts[end] += self.plan.positions[end].axis * lift;
-                self.bottoms[end] = self.bottoms_at(end);
+                self.lift(end, lift);
+                // Further up it may come near to an edge of the blank.
+                let (clear, _) = self.clear_retract(end);
+                let more = (clear - self.retracts[end]).dot(&self.plan.positions[end].axis);
+                if more > 0.0 {
+                    self.lift(end, more);
+                }
             }
         }
         Ok(())
+    }
+
+    /// Moves the retract point of position `k` up its axis, by `mm`.
+    fn lift(&mut self, k: usize, mm: f64) {
+        self.raised[k] += mm;
+        self.retracts[k] += self.plan.positions[k].axis * mm;
+        self.bottoms[k] = self.bottoms_at(k);
     }
 
     /// [`LinkMove::needed_lift`] of the link after position `k`.
