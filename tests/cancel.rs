@@ -92,6 +92,7 @@ fn a_stopped_plan_is_sound_and_says_that_it_is_not_finished() {
         let program = ClProgram::of_plan(&request.part.name, plan);
         assert!(program.part.ends_with("UNFINISHED"), "a program that is run by mistake says what it is");
         let program = read_apt_bytes("plunge.apt", write_apt(&program).as_bytes()).expect("readable");
+        assert!(program.is_unfinished() && program.warnings.len() == 1, "so does who reads it");
         let verdict = verify(&outcome.workpiece, &outcome.setup, &program, &Monitor::default());
         assert_eq!(verdict.expect("can be judged").faults, [], "stopped at {share}");
         let text = write_plan(&description(), &outcome.setup, plan, 1);

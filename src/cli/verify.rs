@@ -81,6 +81,11 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
         print_stdout(&text)?;
     }
     let what = match faults.len() {
+        0 if program.is_unfinished() => {
+            let what = "the program is unfinished: the calculation of its plan was stopped";
+            let failure = Failure::work(ErrorCode::PlanIncomplete, what, "plan again to complete it");
+            return Err(failure.at(name));
+        }
         0 => return Ok(()),
         1 => "one fault found".to_owned(),
         n => format!("{n} faults found"),

@@ -4,7 +4,7 @@ use super::Position;
 use super::{PlungePlan, SectionPlan};
 use crate::geometry::{Point, Vector};
 use crate::setup::Tool;
-use crate::toolpath::{ClProgram, ClRow, ClSection, ClTool, Motion, Move};
+use crate::toolpath::{ClProgram, ClRow, ClSection, ClTool, Motion, Move, UNFINISHED};
 
 impl ClSection {
     fn from_section(section: &SectionPlan) -> Self {
@@ -24,7 +24,7 @@ impl ClProgram {
     /// with its interruptions; a move off the stock where it has one; and a rapid back. Positions of a
     /// section that the plan lacks are left out. The part name of an unfinished plan ends in `UNFINISHED`.
     pub fn of_plan(part: &str, plan: &PlungePlan) -> Self {
-        let part = if plan.is_unfinished() { format!("{part} UNFINISHED") } else { part.to_owned() };
+        let part = if plan.is_unfinished() { format!("{part} {UNFINISHED}") } else { part.to_owned() };
         let mut program = Self {
             part,
             sections: plan.sections.iter().map(ClSection::from_section).collect(),

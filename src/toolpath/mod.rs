@@ -29,6 +29,21 @@ const AXIAL_TURN_RAD: f64 = 1e-5;
 /// Maximum number of warnings that the reader collects.
 pub const MAX_WARNINGS: usize = 100;
 
+/// What the part name of a program ends in whose plan was stopped.
+pub const UNFINISHED: &str = "UNFINISHED";
+/// Warning of a reader that finds it.
+pub const UNFINISHED_WARNING: &str =
+    "the program is marked as unfinished: the calculation of its plan was stopped, and cuts may be missing";
+
+/// The first characters of a part name, `most` at most; what marks an unfinished plan stays.
+pub fn shortened_part_name(name: &str, most: usize) -> String {
+    let (name, mark) = match name.strip_suffix(UNFINISHED) {
+        Some(name) => (name, UNFINISHED),
+        None => (name, ""),
+    };
+    name.chars().take(most.saturating_sub(mark.len())).collect::<String>() + mark
+}
+
 /// A tool as a CL program describes it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClTool {
@@ -172,6 +187,13 @@ pub struct ClProgram {
     pub stopped_spindle_lines: Vec<usize>,
     /// Warnings of the reader, by line; at most [`MAX_WARNINGS`].
     pub warnings: Vec<ClWarning>,
+}
+
+impl ClProgram {
+    /// Whether its part name says that the calculation of its plan was stopped.
+    pub fn is_unfinished(&self) -> bool {
+        self.part.ends_with(UNFINISHED)
+    }
 }
 
 impl Move {

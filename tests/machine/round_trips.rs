@@ -36,6 +36,20 @@ fn plunges_come_back() {
 }
 
 #[test]
+fn an_unfinished_program_is_known_by_its_name() {
+    let name = "a wheel with a name that is too long for a head UNFINISHED";
+    let program = ClProgram { part: name.to_owned(), ..plunges() };
+    let machine = machine("ac-trunnion");
+    for (control, kinds) in OUTPUTS {
+        let unfinished = read_back(&machine, control, &posted(&machine, &program, control, kinds[0]).text);
+        let unfinished = unfinished.expect(control).program;
+        assert!(unfinished.is_unfinished() && unfinished.warnings.len() == 1, "{control}");
+        let whole = read_back(&machine, control, &posted(&machine, &plunges(), control, kinds[0]).text);
+        assert!(!whole.expect(control).program.is_unfinished(), "{control}");
+    }
+}
+
+#[test]
 fn turning_cuts_come_back() {
     check(&sweeps(), &[OutputKind::TcpAngles, OutputKind::TcpVectors, OutputKind::Joints]);
 }

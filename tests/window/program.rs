@@ -225,6 +225,17 @@ fn a_dropped_program_is_checked_and_again_when_the_setup_is_edited() {
 }
 
 #[test]
+fn an_unfinished_program_is_named_as_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, text) = with_checked_program(folder.path());
+    assert!(window.query_by_label_contains("marked as unfinished").is_none());
+    let text = text.replace("PARTNO/impeller532", "PARTNO/impeller532 UNFINISHED");
+    let path = write(folder.path(), "unfinished.apt", &text);
+    check(&mut window, &path);
+    window.get_by_label_contains("marked as unfinished");
+}
+
+#[test]
 fn a_program_that_cannot_be_read_is_a_problem_with_its_line() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = write(folder.path(), "bad.apt", "PARTNO/x\nLOADTL/1\nCUTTER/20\nGOTO/1,2\n");

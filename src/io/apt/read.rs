@@ -23,7 +23,9 @@ use super::words::{WordEffect, classify_word};
 use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::setup::{CutDirection, SectionKind};
-use crate::toolpath::{ClProgram, ClRow, ClSection, ClWarning, MAX_WARNINGS, Motion, Move};
+use crate::toolpath::{
+    ClProgram, ClRow, ClSection, ClWarning, MAX_WARNINGS, Motion, Move, UNFINISHED_WARNING,
+};
 
 const MM_PER_INCH: f64 = 25.4;
 /// Maximum number of list words that are read: more than any supported statement needs.
@@ -176,6 +178,9 @@ impl<'a> Reader<'a> {
         if word.eq_ignore_ascii_case("PARTNO") {
             if self.program.part.is_empty() {
                 rest.clone_into(&mut self.program.part);
+                if self.program.is_unfinished() {
+                    self.warn(line, UNFINISHED_WARNING);
+                }
             }
             return;
         }

@@ -1,7 +1,7 @@
 //! Writes APT: at most 72 columns, `$` continues a statement on the next line.
 
 use crate::setup::CutDirection;
-use crate::toolpath::{ClProgram, ClSection, ClTool, Motion};
+use crate::toolpath::{ClProgram, ClSection, ClTool, Motion, shortened_part_name};
 
 const COLUMNS: usize = 72;
 
@@ -145,5 +145,5 @@ fn short(x: f64) -> String {
 pub(super) fn part_name(name: &str) -> String {
     let clean: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     let clean = clean.trim().trim_start_matches(['/', ' ']);
-    clean.chars().take(COLUMNS - "PARTNO ".len()).collect::<String>().trim_end().to_owned()
+    shortened_part_name(clean, COLUMNS - "PARTNO ".len()).trim_end().to_owned()
 }

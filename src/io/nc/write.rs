@@ -9,7 +9,7 @@ use crate::io::apt::section_words;
 use crate::machine::{
     LINEAR_NAMES, MachineProgram, MachineStep, MachineTool, OutputKind, Pose, StepMotion, gauge_length,
 };
-use crate::toolpath::{ClProgram, ClTool};
+use crate::toolpath::{ClProgram, ClTool, shortened_part_name};
 
 /// Largest block number after `N`, after which numbers begin again: controls take six digits, and nothing in
 /// a program refers to a block.
@@ -215,9 +215,9 @@ impl NcWriter<'_> {
     fn group(&mut self, group: &str, step: Option<&MachineStep>, lines: Option<&[String]>) {
         let post = self.post;
         let lines = lines.or_else(|| post.blocks.get(group).map(Vec::as_slice)).unwrap_or_default();
-        let name: String =
-            self.program.part.chars().filter(char::is_ascii_alphanumeric).take(MAX_NAME).collect();
-        let name = if name.is_empty() { "VANECUT".to_owned() } else { name.to_ascii_uppercase() };
+        let letters: String = self.program.part.chars().filter(char::is_ascii_alphanumeric).collect();
+        let name = shortened_part_name(&letters.to_ascii_uppercase(), MAX_NAME);
+        let name = if name.is_empty() { "VANECUT".to_owned() } else { name };
         for line in lines {
             let mut filled = line.clone();
             let mut put = |word: &str, value: &dyn Fn(&Self) -> String| {

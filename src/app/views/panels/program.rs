@@ -106,7 +106,11 @@ pub fn faults(ui: &mut Ui, state: &mut AppState) {
     }
     ui.label(RichText::new("Faults").strong());
     if checked.findings.is_empty() {
-        let words = if state.program_is_stale() { "No faults, but out of date" } else { "No faults" };
+        let words = match (state.program_is_stale(), checked.program.is_unfinished()) {
+            (true, _) => "No faults, but out of date",
+            (false, true) => "No faults, but the program is unfinished",
+            (false, false) => "No faults",
+        };
         ui.label(RichText::new(words).color(condition(state, &checked).text(ui.visuals())));
         return;
     }

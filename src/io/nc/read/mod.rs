@@ -14,12 +14,15 @@ use super::post::Dialect;
 use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::source::{self, Source};
+use crate::toolpath::{ClWarning, UNFINISHED, UNFINISHED_WARNING};
 use machine_state::NcState;
 pub use reading::{AxisOverrun, NcReading, ReadContext};
 use words::{NcFault, NcWord};
 
 /// Largest number of lines.
 const MAX_LINES: usize = 2_000_000;
+/// Number of lines of the head, which has the name of the program.
+const HEAD_LINES: usize = 10;
 
 /// Whether the bytes look like APT rather than NC code.
 pub fn is_apt(bytes: &[u8]) -> bool {
@@ -41,13 +44,16 @@ pub fn read_nc(
     let whole = source::program_text(source, bytes)?;
     let mut state = NcState::new(source, dialect, context);
     let mut words = Vec::with_capacity(16);
-    let mut lines = 0;
+    let (mut lines, mut unfinished) = (0, None);
     for (line, text) in (1..).zip(whole.lines()) {
         lines = line;
         if line > MAX_LINES {
             return Err(source
                 .fault(line, "the program is longer than 2,000,000 lines", "split it")
                 .with_code(ErrorCode::FileTooLarge));
+        }
+        if line <= HEAD_LINES && unfinished.is_none() && text.contains(UNFINISHED) {
+            unfinished = Some(line);
         }
         words.clear();
         read_words(dialect, text, &mut words).map_err(|fault| {
@@ -59,7 +65,12 @@ pub fn read_nc(
         })?;
         state.block(line, &words)?;
     }
-    state.finish(lines)
+    let mut reading = state.finish(lines)?;
+    if let Some(line) = unfinished {
+        UNFINISHED.clone_into(&mut reading.program.part);
+        reading.program.warnings.insert(0, ClWarning { line, message: UNFINISHED_WARNING.to_owned() });
+    }
+    Ok(reading)
 }
 
 /// Reads one line by the grammar of a dialect.
