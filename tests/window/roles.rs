@@ -123,7 +123,7 @@ fn nodes_without_names_are_distinguished_by_hand() {
     settle(&mut first);
     assert!(is_asked(&first), "{:?}", first.state().state().problems);
     assert!(first.state().state().problems.is_empty(), "the dialog itself says what is wrong");
-    first.get_by_label_contains("cannot be separated");
+    first.get_by_label_contains("which of them is the hub is not clear");
     // The guess by shape finds hub and blades. The shroud is assigned here and highlighted.
     choose(&mut first, "Role of node 1", "shroud");
     press(&mut first, "node 3");
@@ -133,7 +133,7 @@ fn nodes_without_names_are_distinguished_by_hand() {
     choose(&mut first, "Role of node 9", "hub");
     press(&mut first, "Open the part");
     assert!(is_asked(&first) && source(&first).is_none(), "still asked");
-    assert!(first.query_by_label_contains("cannot be separated").is_none(), "another fault now");
+    assert!(first.query_by_label_contains("which of them is the hub").is_none(), "another fault now");
     choose(&mut first, "Role of node 0", "hub");
     choose(&mut first, "Role of node 9", "ignore");
     press(&mut first, "Open the part");
