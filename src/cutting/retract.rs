@@ -187,7 +187,7 @@ pub fn retract_clear(cutter: &CutterSolid, clearance: f64, blank: &Blank, safety
             break;
         }
         let missing = safety - clearance;
-        // Along a wall the clearance stays, however small it is: the way is doubled.
+        // Small steps along a wall gain nothing: the way is doubled.
         let step = (1.5 * missing + 1e-3).max(if gained { 0.0 } else { way }).min(most - way);
         way += step;
         cutter.tip += cutter.axis * step;

@@ -94,8 +94,8 @@ fn unclear_hub(count: usize) -> PartError {
         ErrorCode::MeshRoles,
         0,
         format!("there are {count} separate bodies of revolution: which of them is the hub is not clear"),
-        "give each body its role, --role NODE=hub, NODE=shroud, NODE=blade or NODE=ignore; bodies in one node \
-         need a node each",
+        "give each body --role NODE=hub, NODE=shroud, NODE=blade or NODE=ignore; bodies that share a node need \
+         nodes of their own",
     )
 }
 

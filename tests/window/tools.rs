@@ -519,7 +519,7 @@ fn what_a_library_of_fusion_would_lose_is_asked_about_before_it_is_written() {
     let text = std::fs::read_to_string(&shop).expect("reads");
     assert!(text.starts_with(FUSION.split("\n]").next().unwrap()), "its entries stay as they are: {text}");
     assert_eq!(read_library(&shop, LibraryFormat::FusionJson).expect("reads").tools.len(), 3);
-    // There is no file that could stay.
+    // The library is new: it leaves no file as it was.
     click(&mut window, "Save library…");
     name_file(&mut window, &folder.path().join("new.json"));
     press_enter(&mut window);

@@ -42,6 +42,10 @@ pub enum SwitchChoice {
     Arrange(Arrangement),
 }
 
+/// Names of the arrangements of two sides.
+const BOTH: &str = "Both";
+const WIPE: &str = "Wipe";
+
 /// The switch between before, after and both.
 pub fn side_switch(ui: &mut Ui, rect: Rect, look: &Look) -> Option<SwitchChoice> {
     let mut chosen = None;
@@ -58,7 +62,7 @@ pub fn side_switch(ui: &mut Ui, rect: Rect, look: &Look) -> Option<SwitchChoice>
                 }
             }
             for (arrangement, name, command) in
-                [(Arrangement::Both, "Both", Command::SideBySide), (Arrangement::Wipe, "Wipe", Command::Wipe)]
+                [(Arrangement::Both, BOTH, Command::SideBySide), (Arrangement::Wipe, WIPE, Command::Wipe)]
             {
                 let button = egui::Button::selectable(look.arrangement == arrangement, name);
                 if ui.add(button).on_hover_text(command.tip_with_keys(ui.ctx())).clicked() {
@@ -72,7 +76,7 @@ pub fn side_switch(ui: &mut Ui, rect: Rect, look: &Look) -> Option<SwitchChoice>
 
 /// Makes the buttons of the switch so narrow that all fit into a narrow view.
 fn fit_switch(ui: &mut Ui) {
-    let names = [Side::Before.label(), Side::After.label(), "Both", "Wipe"];
+    let names = [Side::Before.label(), Side::After.label(), BOTH, WIPE];
     let texts: f32 = names.iter().map(|name| theme::width_of_text(ui, name)).sum();
     let between = ui.spacing().item_spacing.x * (names.len() - 1) as f32;
     let most = (ui.available_width() - texts - between) / (2 * names.len()) as f32;

@@ -27,12 +27,12 @@ const MIN_HEIGHT: f32 = 70.0;
 /// State by which they are coloured, notes apart.
 const MARK: Condition = Condition::Interfering;
 
-/// What the messages took in the frame before.
+/// How the messages were drawn in the frame before.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Room {
-    /// Height of the newest one, points: it is whole with what to do.
-    newest: f32,
-    /// Whether there is more than fits.
+struct DrawnMessages {
+    /// Height of the newest one, points: it is shown whole, with what to do.
+    newest_height: f32,
+    /// Whether they are higher than the view leaves for them.
     scrolls: bool,
 }
 
@@ -71,17 +71,17 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
         is_new(ui, Vec::new());
         return 0.0;
     }
-    let (mut is_undone, mut dismissed, mut newest) = (false, None, 0.0);
+    let (mut is_undone, mut dismissed, mut newest_height) = (false, None, 0.0);
     let beside = whole.width() - NOTE_WIDTH - CUBE_WIDTH;
     let width = if beside < MIN_WIDTH { whole.width() - 20.0 } else { beside }.clamp(80.0, MAX_WIDTH);
     let left = if beside < MIN_WIDTH { 0.0 } else { NOTE_WIDTH };
     let corner = egui::pos2((whole.center().x - 0.5 * width).max(whole.left() + left), whole.top() + TOP);
     let at = Rect::from_min_max(corner, egui::pos2(corner.x + width, whole.bottom() - 4.0));
     let fill = ui.visuals().panel_fill;
-    let key = Id::unique("room of problems");
-    let room = ui.data(|data| data.get_temp::<Room>(key)).unwrap_or_default();
+    let key = Id::unique("drawn problem messages");
+    let before = ui.data(|data| data.get_temp::<DrawnMessages>(key)).unwrap_or_default();
     let share = MAX_SHARE * whole.height() - TOP;
-    let height = at.height().min(share.max(MIN_HEIGHT).max(room.newest));
+    let height = at.height().min(share.max(MIN_HEIGHT).max(before.newest_height));
     // A new one comes above the windows of panels: what a command in one of them reports is seen there, too.
     // Then a window that is clicked comes above them.
     let layer = LayerId::new(Order::Middle, Id::unique("problems"));
@@ -90,11 +90,11 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
     }
     // Where there is more than fits, a bar shows it without the pointer over it.
     let bar = ScrollStyle::solid();
-    let width = if room.scrolls { width - bar.allocated_width() } else { width };
+    let width = if before.scrolls { width - bar.allocated_width() } else { width };
     let shown =
         Area::new(layer.id).order(layer.order).fixed_pos(at.min).movable(false).show(ui.ctx(), |ui| {
             ui.set_max_size(at.size());
-            if room.scrolls {
+            if before.scrolls {
                 ui.spacing_mut().scroll = bar;
             }
             let drawn = scroll_area(height).id_salt("problems").show(ui, |ui| {
@@ -121,13 +121,13 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
                         });
                     });
                     if k + 1 == state.problems.len() {
-                        newest = message.response.rect.height();
+                        newest_height = message.response.rect.height();
                     }
                 }
             });
             let scrolls = drawn.content_size.y > drawn.inner_rect.height() + 0.5;
-            let now = Room { newest, scrolls };
-            if now != room {
+            let now = DrawnMessages { newest_height, scrolls };
+            if now != before {
                 ui.data_mut(|data| data.insert_temp(key, now));
                 ui.ctx().request_repaint();
             }

@@ -206,8 +206,8 @@ pub fn plot(ui: &mut Ui, curves: &Curves, handle: f64, height: f32) -> Option<f6
     Some((low + (high - low) * share).clamp(fastest, slowest))
 }
 
-/// The place of a text at `wanted`, or beside the vertical line at `x` where that would go through it: at the
-/// nearer side, within `plot` where it has room.
+/// The place of a text at `wanted`; where the vertical line at `x` would go through it, beside that line: on
+/// the nearer side, or on the other one where the text would leave `plot`.
 fn beside_line(wanted: Rect, x: f32, plot: Rect) -> Rect {
     if x < wanted.left() - BESIDE_LINE || x > wanted.right() + BESIDE_LINE {
         return wanted;
