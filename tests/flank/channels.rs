@@ -43,6 +43,8 @@ fn planned(
     let mut setup = Setup::default();
     setup.flank.strategy = FlankStrategy::Regions;
     setup.flank.layer_depth = layer_depth;
+    // Fewer passes than by default.
+    setup.flank.scallop_height = 0.6;
     setup.allowances.blank = blank;
     setup.channels = order;
     let request = FlankRequest { part: Arc::new(part), setup };
@@ -52,7 +54,7 @@ fn planned(
 
 /// One tool.
 static PUMP: LazyLock<FlankOutcome> =
-    LazyLock::new(|| planned("pump6.toml", 3, EVERY_ORDER[1], 16.0, BlankShape::Edges));
+    LazyLock::new(|| planned("pump6.toml", 2, EVERY_ORDER[1], 16.0, BlankShape::Edges));
 /// Two tools: plunges above the shroud come before the passes.
 static TURNED: LazyLock<FlankOutcome> =
     LazyLock::new(|| planned("pump6.toml", 2, EVERY_ORDER[2], 16.0, BlankShape::Turned));

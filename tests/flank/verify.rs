@@ -1,8 +1,10 @@
 //! `verify` on synthetic flank programs: correct ones, and ones that gouge, collide, cross stock in rapid, or
 //! leave strips.
 
+use std::sync::LazyLock;
+
 use vanecut::cutting::drop_cutter::DepthSurface;
-use vanecut::flank::wall::{WallFit, WallMilling, WallStation};
+use vanecut::flank::wall::{WallAxes, WallFit, WallMilling, WallStation};
 use vanecut::geometry::{Point, Vector, rotate_vector_z, rotate_z};
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::monitor::{Cancelled, Monitor};
@@ -28,14 +30,15 @@ struct Made {
     inner: Vec<Vec<Place>>,
 }
 
-/// Passes of a ball-end mill over the floor of the impeller without splitters: two along the walls, `inner`
-/// between them.
-fn made(inner: usize) -> Made {
-    let part = part_at("assets/parts/impeller532.toml");
-    let tool = cutter(8.0, 4.0, 90.0);
-    let setup = Setup::default();
-    let workpiece = setup.allowances.workpiece_of(part);
-    let Workpiece { part, channel, finished, .. } = &workpiece;
+/// The ball-end mill of these passes.
+fn ball() -> Tool {
+    cutter(8.0, 4.0, 90.0)
+}
+
+/// The impeller without splitters, and the axes along its walls on the lowest layer.
+static AXES: LazyLock<(Workpiece, [WallAxes; 2])> = LazyLock::new(|| {
+    let (tool, setup) = (ball(), Setup::default());
+    let workpiece = setup.allowances.workpiece_of(part_at("assets/parts/impeller532.toml"));
     let stock = &setup.allowances;
     let milling = WallMilling {
         tool: &tool,
@@ -45,12 +48,28 @@ fn made(inner: usize) -> Made {
         step: 2.0,
         chord_error: 0.002,
     };
-    let layer = DepthSurface::new(part.hub.curve(), stock.hub_allowance + tool.corner_radius);
+    let layer = lowest_layer(&workpiece, &tool);
     let axes = [0, 1].map(|wall| {
-        let fit = WallFit::new(finished, &channel.full, wall, &milling, std::slice::from_ref(&layer))
-            .expect("a wall");
+        let layers = std::slice::from_ref(&layer);
+        let fit = WallFit::new(&workpiece.finished, &workpiece.channel.full, wall, &milling, layers);
+        let fit = fit.expect("a wall");
         fit.axes(fit.sweep(0.0))
     });
+    (workpiece, axes)
+});
+
+fn lowest_layer<'a>(workpiece: &'a Workpiece, tool: &Tool) -> DepthSurface<'a> {
+    DepthSurface::new(
+        workpiece.part.hub.curve(),
+        Setup::default().allowances.hub_allowance + tool.corner_radius,
+    )
+}
+
+/// Passes of a ball-end mill over its floor: two along the walls, `inner` between them.
+fn made(inner: usize) -> Made {
+    let (workpiece, axes) = &*AXES;
+    let tool = ball();
+    let layer = lowest_layer(workpiece, &tool);
     let walls = [0, 1].map(|wall| -> Vec<Place> {
         let tip = |s: &WallStation| Some((s.tip?, s.axis));
         axes[wall].stations(0).iter().filter(|s| ALONG.contains(&s.s)).filter_map(tip).collect()
@@ -75,6 +94,8 @@ fn made(inner: usize) -> Made {
             (0..=200).filter_map(place).collect()
         })
         .collect();
+    let setup = Setup::default();
+    let workpiece = setup.allowances.workpiece_of(workpiece.part.clone());
     Made { workpiece, tool, setup, walls, inner }
 }
 

@@ -75,7 +75,7 @@ static OVERLAPPING_PLAN: LazyLock<FlankOutcome> = LazyLock::new(|| planned(&over
 fn no_program_is_written_that_verify_faults() {
     // Fewer layers than in practice: a fault on one occurs on most.
     let mut few_layers = Setup::default();
-    few_layers.flank.layer_depth = 6.0;
+    few_layers.flank.layer_depth = 10.0;
     for outcome in [&planned(&kj66(), few_layers), &*OVERLAPPING_PLAN] {
         let (part, plan) = (&outcome.workpiece.part, &outcome.plan);
         assert!(plan.faults.is_empty(), "{}: {:?}", part.name, plan.faults);

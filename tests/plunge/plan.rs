@@ -419,7 +419,7 @@ fn a_plan_may_end_where_its_rows_starve() {
     };
     let tools = [0, 1, 2].map(|index| setup.tools[index].number);
     setup.plunge.sections =
-        vec![rows(tools[0], 1.0, 0.85), rows(tools[1], 0.4, 0.26), rows(tools[2], 0.26, 0.0)];
+        vec![rows(tools[0], 1.0, 0.9), rows(tools[1], 0.4, 0.3), rows(tools[2], 0.3, 0.2)];
     let (workpiece, monitor) = (setup.allowances.workpiece_of(part.clone()), Monitor::default());
     let planner = || Planner::new(&workpiece, &setup);
     let mut known = SectionCache::default();

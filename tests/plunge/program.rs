@@ -34,9 +34,10 @@ fn reported(outcome: &PlanOutcome, program: &ClProgram) -> PlungeReport {
 fn programs_of_whole_wheels_have_no_fault() {
     for name in SAMPLES {
         let outcome = sample_plans(name);
-        let [one, all] =
-            [1, outcome.workpiece.part.blade_count].map(|n| reported(outcome, &written(outcome, n)));
-        for (report, channels) in [(&one, 1), (&all, outcome.workpiece.part.blade_count)] {
+        // Of the wheel with the most blades a part.
+        let several = outcome.workpiece.part.blade_count.min(9);
+        let [one, all] = [1, several].map(|n| reported(outcome, &written(outcome, n)));
+        for (report, channels) in [(&one, 1), (&all, several)] {
             let verdict = &report.verdict;
             assert!(verdict.faults.is_empty(), "{name}, {channels}: {:#?}", verdict.faults);
             assert_eq!(verdict.channels, channels, "{name}");

@@ -129,7 +129,7 @@ fn walls_bound_the_passage_from_the_leading_edge_to_the_rim() {
 }
 
 /// Wheels of the default test run, (seed, index): several kinds, chosen for plans with few positions.
-const GATE: [(u64, usize); 3] = [(7, 9), (1, 11), (1, 14)];
+const GATE: [(u64, usize); 2] = [(7, 9), (1, 11)];
 
 /// Blades that lean along the rows let no axis lean towards the inlet; from the outlet more than half of the
 /// floor would stay uncut.
@@ -209,6 +209,7 @@ fn strips_under_leaning_walls_are_cut() {
 /// A plunge that clears a core only between two of the lines on which contact is evaluated is needed as well:
 /// where it was left out as not worth its time, a later core met a sliver of stock .46 mm above its bottom.
 #[test]
+#[ignore = "a plan of half a minute; scripts/nightly runs it"]
 fn cores_stay_free_where_plunges_are_left_out() {
     let wheel = make::wheel(53, 1);
     let outcome = planned(open(&wheel));
