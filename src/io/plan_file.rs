@@ -233,10 +233,13 @@ pub fn write_plan(
     plan: &PlungePlan,
     channels: usize,
 ) -> String {
+    // It may have been made by another strategy than that of the setup.
+    let mut setup = setup.clone();
+    setup.plunge.axis = plan.policy;
     let file = PlanRecord {
         vanecut_plan: VERSION,
         part: write_native(description),
-        setup: write_full_setup(setup),
+        setup: write_full_setup(&setup),
         policy: plan.policy,
         channels,
         rounds: plan.iterations,
@@ -271,7 +274,8 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
     let file: PlanRecord =
         serde_json::from_slice(bytes).map_err(|e| source.not_json(&e, "a plan file", help))?;
     stored::check_version(name, "plan file", file.vanecut_plan, VERSION)?;
-    let StoredInputs { description, part, setup } = stored::read_inputs(name, &file.part, &file.setup)?;
+    let StoredInputs { description, part, mut setup } = stored::read_inputs(name, &file.part, &file.setup)?;
+    setup.plunge.axis = file.policy;
     let mut sections = Vec::new();
     for (index, section) in setup.plunge.sections.iter().enumerate() {
         sections.push(SectionPlan {

@@ -13,7 +13,7 @@ use super::tool_library::flank_cutters;
 use super::{flank_file, plan_file};
 use crate::error::ErrorCode;
 use crate::part::PartDescription;
-use crate::setup::Setup;
+use crate::setup::{AxisPolicy, Setup};
 
 /// Bytes at the beginning of a plan file that hold its first key.
 const HEAD: usize = 64;
@@ -36,6 +36,8 @@ struct InputsRecord {
     vanecut_flank: Option<u32>,
     part: String,
     setup: String,
+    /// Of a plunge plan.
+    policy: Option<AxisPolicy>,
 }
 
 /// Whether a file is a plan, by its ending and its first key.
@@ -68,6 +70,10 @@ pub fn read_plan_inputs(path: &Path) -> Result<PlanInputs, InputError> {
         check_version(&name, "plan file", version.unwrap_or(0), known)?;
     }
     let StoredInputs { description, mut setup, .. } = read_inputs(&name, &file.part, &file.setup)?;
+    // Setups in files of older versions have the strategy that the plan was not made by.
+    if let Some(policy) = file.policy {
+        setup.plunge.axis = policy;
+    }
     let is_flank = file.vanecut_flank.is_some();
     if is_flank {
         leave_out_chosen_tool(&mut setup);

@@ -9,6 +9,8 @@ use vanecut::app::model::look::Operation;
 use vanecut::io::flank_file::write_flank;
 use vanecut::io::part_file::read_part;
 use vanecut::io::plan_file::write_plan;
+use vanecut::plunge::PlungePlan;
+use vanecut::setup::AxisPolicy;
 
 use crate::fake;
 use crate::flank::plan_flank;
@@ -136,6 +138,22 @@ fn a_plan_opens_with_its_part_and_setup() {
     let document = &second.state().state().document;
     assert_eq!((step(&second), &document.edited.setup.tools), (Some(7.25), &setup.tools));
     assert!(second.state().state().results.planned.is_some(), "calculated");
+    assert_eq!(document.edited.setup.plunge.axis, AxisPolicy::Minimal);
+    // A plan by another strategy than that of the setup opens as what it is.
+    let by_rule = PlungePlan { policy: AxisPolicy::Monotone, ..planned.outcome.after.plan.clone() };
+    let other = folder.path().join("monotone.json");
+    let text = write_plan(&description, &setup, &by_rule, 1);
+    // So does one of an older version, whose setup says nothing of it.
+    let older = text.replace("axis = \\\"monotone\\\"", "axis = \\\"minimal\\\"");
+    assert_ne!(older, text);
+    for text in [text, older] {
+        std::fs::write(&other, text).expect("writes");
+        let mut window = window(engine.clone());
+        drop_on(&mut window, &[&other]);
+        assert_eq!(window.state().state().document.edited.setup.plunge.axis, AxisPolicy::Monotone);
+        let result = window.state().state().results.planned.clone().expect("calculated");
+        assert_eq!(result.outcome.after.plan.policy, AxisPolicy::Monotone);
+    }
     // A project of it finds the part again.
     let project = folder.path().join("p.vanecut");
     let ctx = second.ctx.clone();
