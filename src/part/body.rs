@@ -13,7 +13,9 @@ pub fn up_sign(part: &Impeller) -> f64 {
 /// and the blank alike.
 pub fn body_outline(part: &Impeller) -> [Meridional; 5] {
     let (nose, rim) = (inside(part.hub.point(part.hub.wheel_from())), part.hub.point(1.0));
-    let back = rim.z - up_sign(part) * (0.03 * rim.r).max(3.0);
+    // At least 3 mm behind the rim; less where that would be a drum.
+    let thickness = (0.03 * rim.r).max(3.0_f64.min(0.15 * rim.r));
+    let back = rim.z - up_sign(part) * thickness;
     let bore = 0.45 * nose.r;
     [
         rim,

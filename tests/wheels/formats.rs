@@ -1,4 +1,4 @@
-//! Made wheels, written in every format and read back: all of them in the nightly run, some in the default one.
+//! Made wheels, written in every format and read back: all in the nightly run, some in the default one.
 
 use vanecut::io::gltf::GltfScene;
 use vanecut::io::part_file::read_part_bytes;

@@ -129,6 +129,31 @@ fn keys_before_the_file_dialog_is_there_are_its_name_and_reach_nothing_else() {
     assert_eq!((look(&window), edits(&window)), (before, 0));
 }
 
+/// Who holds Enter on a command that opens the dialog has not read the name that it proposes.
+#[test]
+fn an_enter_that_is_held_does_not_confirm_the_proposed_name() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.state_mut().use_own_file_dialogs();
+    export(&mut window);
+    name_file(&mut window, &folder.path().join("first.apt"));
+    press_enter(&mut window);
+    let held = |window: &mut Window| {
+        let physical_key = Some(egui::Key::Enter);
+        let (key, modifiers) = (egui::Key::Enter, egui::Modifiers::NONE);
+        window.event(egui::Event::Key { key, physical_key, pressed: true, repeat: false, modifiers });
+        window.run_steps(2);
+    };
+    held(&mut window);
+    export(&mut window);
+    for _ in 0..3 {
+        held(&mut window);
+    }
+    window.get_by_label("Export CL (APT)");
+    assert_eq!(std::fs::read_dir(folder.path()).expect("reads").count(), 1, "the first alone");
+}
+
 /// Where no dialog of the system ever opens, Esc gives the keys back.
 #[test]
 fn escape_goes_on_without_the_file_dialog_of_the_system() {

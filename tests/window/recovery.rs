@@ -112,6 +112,29 @@ fn what_is_recovered_is_saved_beside_its_part_and_not_among_the_copies() {
     assert_eq!(copies, 0, "nothing is left to recover");
 }
 
+/// A window that is started with another part does not show the start page, which offers them.
+#[test]
+fn unsaved_changes_of_another_part_are_named_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let (engine, _) = fake::engine();
+    edit_and_crash(window_with_part(&engine, &home, folder.path()), 6.5);
+    let other = folder.path().join("other.toml");
+    std::fs::write(&other, include_str!("../../assets/parts/pump6.toml")).expect("writes");
+    let mut second = window_with_project(&engine, &home, &other);
+    let said = "A session that ended without closing has left unsaved changes: wheel, ";
+    second.get_by_label_contains(said);
+    second.get_by_label_contains("choose File > New to recover or discard them");
+    second.get_by_label("Dismiss").click();
+    second.run_steps(3);
+    second.state_mut().open_path(other.clone());
+    settle(&mut second);
+    assert!(second.query_by_label_contains(said).is_none(), "it is known");
+    press(&mut second, egui::Modifiers::COMMAND, egui::Key::N);
+    recover(&mut second);
+    assert_eq!(step(&second), Some(6.5));
+}
+
 #[test]
 fn a_project_opened_by_a_relative_path_is_recovered_where_it_belongs() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -181,6 +181,31 @@ fn a_question_follows_the_plan_that_is_calculated_meanwhile() {
     assert!(path.exists());
 }
 
+/// Where nothing is left that speaks against the file, it is not exported "anyway".
+#[test]
+fn a_question_that_has_answered_itself_just_exports() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("p.apt");
+    let (engine, slow) = fake::engine();
+    let mut window = with_sample(engine);
+    slow.store(true, Ordering::SeqCst);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
+    window.run_steps(3);
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, ONE_CHANNEL, path.clone());
+    window.run_steps(2);
+    window.get_by_label("Export anyway");
+    slow.store(false, Ordering::SeqCst);
+    wait_until(&mut window, |window| window.query_by_label_contains("Nothing speaks against it").is_some());
+    assert!(window.query_by_label("Export anyway").is_none());
+    settle(&mut window);
+    window.run_steps(8);
+    click_enabled(&window, "Export");
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(path.exists());
+}
+
 #[test]
 fn an_interfering_plan_is_named_as_such_before_it_is_exported() {
     let folder = tempfile::tempdir().expect("a folder");

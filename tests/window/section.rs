@@ -32,6 +32,25 @@ fn the_section_of_the_selected_position_is_drawn_with_its_figures() {
     window.get_by_label("Tool tip X Y Z");
 }
 
+/// While the drawing is still that of the position before, so are all figures below it.
+#[test]
+fn the_figures_below_the_section_are_those_of_the_drawing() {
+    let (mut window, _) = with_fault_selected();
+    let figures = |window: &Window| labels(window, "lead ").concat();
+    let before = figures(&window);
+    assert!(before.contains("tilt in this cut") && before.contains("max residual"), "{before}");
+    let mut shown = Vec::new();
+    window.key_press(egui::Key::ArrowDown);
+    for _ in 0..3 {
+        window.step();
+        shown.push(figures(&window));
+    }
+    settle(&mut window);
+    let after = figures(&window);
+    assert_ne!(before, after);
+    assert!(shown.iter().all(|shown| *shown == before || *shown == after), "{before}; {after}: {shown:?}");
+}
+
 /// A click on a tab finds it where it was, whatever the others show.
 #[test]
 fn the_tabs_of_a_position_stay_where_they_are_while_their_content_changes() {

@@ -65,6 +65,10 @@ fn sets_are_kept_compared_used_and_removed_and_undo_covers_it() {
     let mut window = with_sample(engine);
     window.set_size(egui::vec2(1100.0, 1180.0));
     window.run_steps(2);
+    // Keys of no command do nothing.
+    window.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, egui::Key::D);
+    window.run_steps(2);
+    assert!(window.state().state().document.edited.sets.is_empty());
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::D);
     window.run_steps(2);
     window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(5.0);

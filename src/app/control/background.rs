@@ -344,7 +344,7 @@ impl App {
             for note in part.map(|part| part.impeller.notes.clone()).unwrap_or_default() {
                 let shown = hint_for_dialog(&note);
                 let help = if shown == note { "" } else { IN_ROLES_DIALOG };
-                self.state.report_problem(Problem::note_on_part(shown, help));
+                self.state.report_problem(Problem::note(shown, help));
             }
             self.view.reset();
             self.hover = None;

@@ -55,6 +55,8 @@ pub(in crate::app) struct Session {
     pub(super) left_library: Option<PathBuf>,
     /// Recovery copy of the project that was opened, while it is asked what to do with it.
     pub(super) found: Option<RecoveryCopy>,
+    /// Recovery copies of other projects and parts that were said to be there.
+    pub(super) noted_copies: Vec<PathBuf>,
     /// Action that waits for an answer about unsaved work, and about which.
     pub(super) pending: Option<(UnsavedWork, Pending)>,
     /// Action to run once the project is written.

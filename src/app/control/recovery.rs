@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use egui::{Context, Ui};
 
+use super::project::Session;
 use super::unsaved::Pending;
 use crate::app::App;
 use crate::app::model::document::Edited;
@@ -96,6 +97,25 @@ impl App {
             None => copy.part.as_deref().zip(part).is_some_and(|(of, part)| is_same_file(of, part)),
         };
         self.session.found = self.state.recoverable.iter().find(is_it).cloned();
+        self.note_other_copies();
+    }
+
+    /// Says of copies of other projects and parts, once each, that they are there: they are offered on the
+    /// start page, which a window that was started with a part does not show.
+    fn note_other_copies(&mut self) {
+        let Session { found, noted_copies, .. } = &mut self.session;
+        let mut titles = Vec::new();
+        for RecoveryCopy { path, title, .. } in &self.state.recoverable {
+            if found.as_ref().is_none_or(|found| found.path != *path) && !noted_copies.contains(path) {
+                noted_copies.push(path.clone());
+                titles.push(title.as_str());
+            }
+        }
+        if !titles.is_empty() {
+            let titles = titles.join("; ");
+            let what = format!("A session that ended without closing has left unsaved changes: {titles}");
+            self.state.report_problem(Problem::note(what, "choose File > New to recover or discard them"));
+        }
     }
 
     /// Whether the recovery copy at `path`, which is offered, is gone: another window has taken it over. Says

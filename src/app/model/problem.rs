@@ -27,8 +27,8 @@ pub enum Topic {
     Opening,
     /// A file of this kind that was not written: solved by the next that is.
     Writing(&'static str),
-    /// A remark on the opened part that is not a fault: stays until it is dismissed.
-    PartNote,
+    /// A remark that is not a fault: stays until it is dismissed.
+    Note,
     /// Anything else: stays until it is dismissed.
     Other,
 }
@@ -38,12 +38,7 @@ impl Topic {
     pub fn is_of_calculation(self) -> bool {
         !matches!(
             self,
-            Self::Project
-                | Self::SharedProject
-                | Self::Opening
-                | Self::Writing(_)
-                | Self::PartNote
-                | Self::Other
+            Self::Project | Self::SharedProject | Self::Opening | Self::Writing(_) | Self::Note | Self::Other
         )
     }
 }
@@ -80,14 +75,14 @@ impl Problem {
         Self { topic: Topic::Writing(kind), ..Self::from(error) }
     }
 
-    /// A remark on the opened part that is not a fault.
-    pub fn note_on_part(what: impl Into<String>, help: impl Into<String>) -> Self {
-        Self { topic: Topic::PartNote, ..Self::new(what, help) }
+    /// A remark that is not a fault.
+    pub fn note(what: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { topic: Topic::Note, ..Self::new(what, help) }
     }
 
     /// Whether it is a remark rather than a fault.
     pub fn is_note(&self) -> bool {
-        self.topic == Topic::PartNote
+        self.topic == Topic::Note
     }
 
     /// The device that draws has failed.

@@ -1,6 +1,6 @@
 //! Every command of the window: one list for menus, shortcuts, tooltips and the palette.
 
-use egui::{Context, Key, KeyboardShortcut, Modifiers, Ui};
+use egui::{Context, Event, InputState, Key, KeyboardShortcut, Modifiers, Ui};
 
 const NONE: Modifiers = Modifiers::NONE;
 const SHIFT: Modifiers = Modifiers::SHIFT;
@@ -251,7 +251,7 @@ impl Command {
             if kept && Self::yields_to_focus(&keys) || !can(command) {
                 continue;
             }
-            if ctx.input_mut(|input| input.consume_shortcut(&keys)) {
+            if ctx.input_mut(|input| is_meant(input, &keys) && input.consume_shortcut(&keys)) {
                 pressed.push(command);
             }
         }
@@ -292,6 +292,18 @@ impl Command {
         }
         clicked
     }
+}
+
+/// Whether the keys of a shortcut were pressed without more of Shift and Ctrl than it has, where its key is a
+/// letter: another shortcut may have these. Signs need Shift on some keyboards.
+fn is_meant(input: &InputState, keys: &KeyboardShortcut) -> bool {
+    let KeyboardShortcut { logical_key, modifiers: wanted } = *keys;
+    let is_letter = logical_key.name().len() == 1 && (Key::A..=Key::Z).contains(&logical_key);
+    let is_exact = |event: &Event| {
+        let Event::Key { key, pressed: true, modifiers, .. } = event else { return false };
+        *key == logical_key && modifiers.matches_exact(wanted)
+    };
+    !is_letter || input.events.iter().any(is_exact)
 }
 
 #[cfg(test)]

@@ -62,12 +62,19 @@ pub struct ReleaseWords {
     above: &'static str,
     /// What stands below it; may be empty.
     below: &'static str,
+    /// The button that writes the file, and where nothing speaks against it any more.
     anyway: &'static str,
+    now: &'static str,
 }
 
 /// Of a program.
-pub const PROGRAM: ReleaseWords =
-    ReleaseWords { title: "Export this program?", above: "", below: "", anyway: "Export anyway" };
+pub const PROGRAM: ReleaseWords = ReleaseWords {
+    title: "Export this program?",
+    above: "",
+    below: "",
+    anyway: "Export anyway",
+    now: "Export",
+};
 /// Of the setup sheet of a plan.
 pub const SHEET: ReleaseWords = ReleaseWords { title: "Export the setup sheet of this plan?", ..PROGRAM };
 /// Of a scene.
@@ -80,6 +87,7 @@ pub const LIBRARY: ReleaseWords = ReleaseWords {
     above: "It is written anew from what Vanecut knows of the tools. It does not hold:",
     below: "A .toml library keeps all that is shown here.",
     anyway: "Write anyway",
+    now: "Write",
 };
 
 /// Of one that exists.
@@ -88,6 +96,7 @@ pub const EXISTING_LIBRARY: ReleaseWords = ReleaseWords {
     above: "What it has beyond the tools shown here stays. It does not hold:",
     below: "A .toml library keeps all that is shown here; the file of Fusion then stays as it is.",
     anyway: "Write into it",
+    now: "Write into it",
 };
 
 /// Draws the question with what speaks against `file`, by name; returns the answer once.
@@ -128,7 +137,8 @@ pub fn ask(
                 }
             }
             let is_read = renewal.is_none_or(|renewal| renewal.since_s >= READING_TIME_S);
-            if ui.add_enabled(is_read, egui::Button::new(words.anyway)).clicked() {
+            let goes_on = if renewal.is_some() && concerns.is_empty() { words.now } else { words.anyway };
+            if ui.add_enabled(is_read, egui::Button::new(goes_on)).clicked() {
                 answer = Some(ReleaseAnswer::Export);
             }
             if !is_read {

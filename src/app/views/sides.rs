@@ -187,9 +187,12 @@ impl App {
     /// The sectional view through position `k`, `height` points high; `false` while there is none yet.
     fn section(&mut self, ui: &mut Ui, k: usize, name: &str, height: f32) -> bool {
         let plane = self.state.cut_plane();
-        let Some(position) = self.state.selected().cloned() else { return true };
+        let Some(selected) = self.state.selected() else { return true };
         let Some((of, view)) = self.inspected.section() else { return false };
         let stale = of != k || view.plane != plane;
+        // The figures are those of the drawing, until that of the selected position is there.
+        let drawn = self.state.shown().and_then(|shown| shown.plan().positions.get(of));
+        let position = drawn.unwrap_or(selected).clone();
         let look = &mut self.state.look.sectional;
         panels::section::show(ui, name, (&view, &position), look, stale, height);
         true

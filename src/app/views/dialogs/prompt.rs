@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
-use egui::{Button, Color32, Key, Modal, Modifiers, RichText, TextEdit, Ui};
+use egui::{Button, Color32, Event, Key, Modal, Modifiers, RichText, TextEdit, Ui};
 
 use crate::app::model::file_purpose::Purpose;
 use crate::app::tasks::Repaint;
@@ -116,10 +116,13 @@ impl Prompt {
     pub(super) fn show(&mut self, ui: &Ui, reader: &mut FolderReader) -> Option<PromptAnswer> {
         reader.read(Some(&self.folder));
         self.is_drawn = true;
-        // Before the field takes the key.
+        // Before the field takes the key. An Enter that is held is that of what opened the dialog.
         let (escape, enter) = ui.input_mut(|input| {
             let none = Modifiers::NONE;
-            (input.consume_key(none, Key::Escape), input.consume_key(none, Key::Enter))
+            let is_held = |event: &Event| matches!(event, Event::Key { key: Key::Enter, repeat: true, .. });
+            let holds_enter = input.events.iter().any(is_held);
+            let enter = input.consume_key(none, Key::Enter) && !holds_enter;
+            (input.consume_key(none, Key::Escape), enter)
         });
         if self.replacing.is_some() {
             return self.ask_replace(ui, escape, enter);

@@ -239,11 +239,9 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
         }
         // Only the name fits in a narrow plot.
         None if rect.width() < NARROW => String::new(),
-        None => {
-            Some(range_text(values_range, (low, high), digits(curve.digits.saturating_sub(1)), curve.unit))
-                .filter(|range| fits(curve.name, range))
-                .unwrap_or_default()
-        }
+        None => Some(range_text(values_range, (low, high), curve.digits, (curve.decimals, curve.unit)))
+            .filter(|range| fits(curve.name, range))
+            .unwrap_or_default(),
     };
     let beside = if is_tight { "" } else { text.as_str() };
     let name = elided(ui, curve.name, &font, rect.width() - width(beside) - name_margins(beside));
@@ -269,8 +267,16 @@ fn elided(ui: &Ui, text: &str, font: &FontId, width: f32) -> Arc<Galley> {
 }
 
 /// Ends of the scale of a plot; where all values, from the least to the greatest, read the same, that one:
-/// the scale goes on beyond it.
-fn range_text(values: (f64, f64), scale: (f64, f64), decimals: usize, unit: &str) -> String {
+/// the scale goes on beyond it. With a decimal less than `most` for one value, unless a value would read 0.
+fn range_text(
+    values: (f64, f64),
+    scale: (f64, f64),
+    most: usize,
+    (units, unit): (DisplayUnits, &str),
+) -> String {
+    let few = most.saturating_sub(1);
+    let reads_zero = values.1 > 0.0 && values.1 < 0.5 * 0.1_f64.powi(units.decimals(few) as i32);
+    let decimals = units.decimals(if reads_zero { most } else { few });
     let text = |value: f64| with_minus_signs(&format!("{value:.decimals$}"));
     if text(values.0) == text(values.1) {
         return format!("all {}{unit}", text(values.0));
@@ -280,12 +286,15 @@ fn range_text(values: (f64, f64), scale: (f64, f64), decimals: usize, unit: &str
 
 #[cfg(test)]
 mod tests {
-    use super::range_text;
+    use super::{DisplayUnits, range_text};
 
     #[test]
     fn a_plot_of_equal_values_names_no_range() {
-        assert_eq!(range_text((0.0, 0.0), (0.0, 0.1), 1, " mm"), "all 0.0 mm");
-        assert_eq!(range_text((0.0, 0.26), (0.0, 0.26), 1, " mm"), "0.0 to 0.3 mm");
-        assert_eq!(range_text((0.2, 0.4), (0.0, 0.4), 1, " mm"), "0.0 to 0.4 mm");
+        let text = |values, scale| range_text(values, scale, 2, (DisplayUnits::Metric, " mm"));
+        assert_eq!(text((0.0, 0.0), (0.0, 0.1)), "all 0.0 mm");
+        assert_eq!(text((0.0, 0.26), (0.0, 0.26)), "0.0 to 0.3 mm");
+        assert_eq!(text((0.2, 0.4), (0.0, 0.4)), "0.0 to 0.4 mm");
+        assert_eq!(text((0.02, 0.02), (0.0, 0.1)), "all 0.02 mm");
+        assert_eq!(text((0.0, 0.04), (0.0, 0.1)), "0.00 to 0.10 mm");
     }
 }

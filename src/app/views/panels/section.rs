@@ -132,8 +132,8 @@ fn mouse(ui: &Ui, response: &egui::Response, look: &mut SectionalLook) {
     }
 }
 
-/// Draws the sectional view through `position` with index `k`, `height` points high. `stale`: `view` still
-/// shows another position or plane. `name`: that of the drawing.
+/// Draws the sectional view `height` points high, and the figures of its position. `stale`: they are still
+/// those of another position or plane than are selected. `name`: that of the drawing.
 pub fn show(
     ui: &mut Ui,
     name: &str,
@@ -220,7 +220,12 @@ pub fn show(
     if stale {
         painter.rect_filled(rect, 2.0, visuals.panel_fill.gamma_multiply(0.5));
     }
-    show_figures(ui, view, position);
+    ui.scope(|ui| {
+        if stale {
+            ui.multiply_opacity(0.5);
+        }
+        show_figures(ui, view, position);
+    });
 }
 
 /// Dimension lines, mm.
