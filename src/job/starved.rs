@@ -91,20 +91,22 @@ fn uncut_where_planned(outcome: &PlanOutcome, result: &PolicyResult) -> f64 {
 fn meeting_s(outcome: &PlanOutcome, minimal: &PolicyResult) -> Option<f64> {
     let grid = &outcome.grid;
     let (here, free) = (uncut_areas(grid, &minimal.field), uncut_areas(grid, &outcome.before.field));
-    let ways_at = |row: usize| {
+    // Whether rows in some direction, or in this one, were planned over a row of the floor.
+    let is_planned = |row: usize, way: Option<CutDirection>| {
         let s = grid.s_of_row(row);
-        let planned = minimal.plan.sections.iter().filter(|section| !section.is_unfinished());
-        planned.filter(|section| has_rows_at(section, s)).map(|section| section.feed).collect::<Vec<_>>()
+        let is_it = |section: &SectionPlan| {
+            !section.is_unfinished() && has_rows_at(section, s) && way.is_none_or(|way| section.feed == way)
+        };
+        minimal.plan.sections.iter().any(is_it)
     };
-    let ways: Vec<Vec<CutDirection>> = (0..grid.rows).map(ways_at).collect();
-    let left_by = |direction: CutDirection, row: usize| match ways[row].contains(&direction) {
+    let left_by = |way: CutDirection, row: usize| match is_planned(row, Some(way)) {
         true => here[row],
         false => free[row].min(UNKNOWN * here[row]),
     };
     let left: Vec<[f64; 2]> = (0..grid.rows)
         .map(|row| [CutDirection::InletToOutlet, CutDirection::OutletToInlet].map(|way| left_by(way, row)))
         .collect();
-    let now: f64 = (0..grid.rows).map(|row| if ways[row].is_empty() { free[row] } else { here[row] }).sum();
+    let now: f64 = (0..grid.rows).map(|row| if is_planned(row, None) { here[row] } else { free[row] }).sum();
     let (rows, least) = best_meeting(&left);
     (least <= MUCH_LESS * now).then_some(rows as f64 / grid.rows as f64)
 }

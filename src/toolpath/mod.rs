@@ -32,7 +32,7 @@ pub const MAX_WARNINGS: usize = 100;
 /// What the part name of a program ends in whose plan was stopped.
 pub const UNFINISHED: &str = "UNFINISHED";
 /// Warning of a reader that finds it.
-pub const UNFINISHED_WARNING: &str =
+const UNFINISHED_WARNING: &str =
     "the program is marked as unfinished: the calculation of its plan was stopped, and cuts may be missing";
 
 /// The first characters of a part name, `most` at most; what marks an unfinished plan stays.
@@ -193,6 +193,15 @@ impl ClProgram {
     /// Whether its part name says that the calculation of its plan was stopped.
     pub fn is_unfinished(&self) -> bool {
         self.part.ends_with(UNFINISHED)
+    }
+
+    /// Takes the name of the part from a line of the program's file, with a warning where it is that of an
+    /// unfinished plan.
+    pub fn name_part(&mut self, line: usize, name: &str) {
+        name.clone_into(&mut self.part);
+        if self.is_unfinished() {
+            self.warnings.insert(0, ClWarning { line, message: UNFINISHED_WARNING.to_owned() });
+        }
     }
 }
 

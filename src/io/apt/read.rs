@@ -23,9 +23,7 @@ use super::words::{WordEffect, classify_word};
 use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::setup::{CutDirection, SectionKind};
-use crate::toolpath::{
-    ClProgram, ClRow, ClSection, ClWarning, MAX_WARNINGS, Motion, Move, UNFINISHED_WARNING,
-};
+use crate::toolpath::{ClProgram, ClRow, ClSection, ClWarning, MAX_WARNINGS, Motion, Move};
 
 const MM_PER_INCH: f64 = 25.4;
 /// Maximum number of list words that are read: more than any supported statement needs.
@@ -177,10 +175,7 @@ impl<'a> Reader<'a> {
         let rest = rest.trim_start().trim_start_matches('/').trim();
         if word.eq_ignore_ascii_case("PARTNO") {
             if self.program.part.is_empty() {
-                rest.clone_into(&mut self.program.part);
-                if self.program.is_unfinished() {
-                    self.warn(line, UNFINISHED_WARNING);
-                }
+                self.program.name_part(line, rest);
             }
             return;
         }

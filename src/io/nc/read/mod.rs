@@ -14,7 +14,7 @@ use super::post::Dialect;
 use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::source::{self, Source};
-use crate::toolpath::{ClWarning, UNFINISHED, UNFINISHED_WARNING};
+use crate::toolpath::UNFINISHED;
 use machine_state::NcState;
 pub use reading::{AxisOverrun, NcReading, ReadContext};
 use words::{NcFault, NcWord};
@@ -67,8 +67,7 @@ pub fn read_nc(
     }
     let mut reading = state.finish(lines)?;
     if let Some(line) = unfinished {
-        UNFINISHED.clone_into(&mut reading.program.part);
-        reading.program.warnings.insert(0, ClWarning { line, message: UNFINISHED_WARNING.to_owned() });
+        reading.program.name_part(line, UNFINISHED);
     }
     Ok(reading)
 }
