@@ -2,7 +2,9 @@
 
 use serde_json::{Value, json};
 use vanecut::io::setup_file::read_setup_bytes;
-use vanecut::io::shop_tools::{LibraryFormat, ToolLibrary, read_library_bytes, write_fusion, write_toml};
+use vanecut::io::shop_tools::{
+    LibraryFormat, LibraryTool, ToolLibrary, read_library_bytes, write_fusion, write_toml,
+};
 use vanecut::setup::{MissingRates, Tool};
 
 fn library() -> Value {
@@ -160,6 +162,25 @@ fn a_tool_bit_of_freecad() {
     let tool = &read.tools[0].tool;
     assert_eq!((tool.diameter, tool.corner_radius, tool.overhang), (6.0, 1.5, 50.0));
     assert_eq!((tool.assembly.flute_length, tool.assembly.shank.clone()), (Some(40.0), vec![[3.0, 10.0]]));
+    assert!((tool.insert_width - 2.7).abs() < 1e-12, "it has a core, as from Fusion: {}", tool.insert_width);
+    // The holder is known once it is given.
+    let mut entry = LibraryTool::clone(&read.tools[0]);
+    assert!(entry.notes.iter().any(|note| note.contains("holder")), "{:?}", entry.notes);
+    let mut held = entry.tool.clone();
+    held.assembly.holder = vec![[20.0, 20.0, 40.0]];
+    entry.replace(held);
+    assert!(entry.notes.iter().all(|note| !note.contains("holder")), "{:?}", entry.notes);
+}
+
+/// Older versions give the radius of the flat bottom.
+#[test]
+fn a_bull_nose_of_an_older_freecad() {
+    let bit = json!({"version": 2, "name": "5 mm Bull Nose", "shape": "bullnose.fcstd", "parameter": {
+        "CuttingEdgeHeight": "40 mm", "Diameter": "5 mm", "FlatRadius": "1.5 mm", "Length": "50 mm"}});
+    let read =
+        read_library_bytes("b.fctb", bit.to_string().as_bytes(), LibraryFormat::FreeCadBit).expect("reads");
+    assert_eq!(read.tools[0].tool.corner_radius, 1.0);
+    assert!(read.tools[0].notes.iter().all(|note| !note.contains("corner")), "{:?}", read.tools[0].notes);
 }
 
 #[test]

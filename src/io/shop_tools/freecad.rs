@@ -9,8 +9,8 @@ use super::json::{elements, json_text, tool_tree};
 use super::left_out::LeftOutTools;
 use super::length::{angle_deg, length_mm};
 use super::library::{
-    AssumedInsert, LibraryTool, OVERHANG_DIAMETERS, ToolLibrary, check_tool, note_missing_rates,
-    number_tools, rated, round_lengths, short_name, too_many,
+    AssumedInsert, LibraryTool, OVERHANG_DIAMETERS, ToolLibrary, UNKNOWN_HOLDER, check_tool,
+    note_missing_rates, number_tools, rated, round_lengths, short_name, too_many,
 };
 use crate::error::ErrorCode;
 use crate::io::InputError;
@@ -90,6 +90,12 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
         None => length("TorusRadius")?,
         given => given,
     };
+    let is_bull_nose = shape.starts_with("bullnose") || shape.starts_with("torus");
+    // Bull noses of older versions of FreeCAD have the radius of their flat bottom instead.
+    let given = match (given, is_bull_nose) {
+        (None, true) => length("FlatRadius")?.map(|flat| (radius - flat).max(0.0)),
+        _ => given,
+    };
     let corner = match given {
         _ if shape.starts_with("ball") || shape.starts_with("taperedball") => radius,
         Some(corner) => corner.min(radius),
@@ -97,7 +103,7 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
     };
     if given.is_some_and(|given| given > corner) {
         notes.push("corner radius larger than the radius: that taken".to_owned());
-    } else if given.is_none() && (shape.starts_with("bullnose") || shape.starts_with("torus")) {
+    } else if given.is_none() && is_bull_nose {
         notes.push("corner radius assumed: a sharp corner, as the tool bit has none".to_owned());
     }
     let taper = match parameters.get("TaperAngle") {
@@ -109,11 +115,11 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
     if taper.is_some() || shape.starts_with("tapered") {
         notes.push("tapered: plans leave it out, they know cylindrical cutters only".to_owned());
     }
-    let is_face_mill = shape.starts_with("face");
-    let insert = if is_face_mill { AssumedInsert::WithCore } else { AssumedInsert::ToCentre };
+    let has_core = shape.starts_with("face") || is_bull_nose;
+    let insert = if has_core { AssumedInsert::WithCore } else { AssumedInsert::ToCentre };
     let insert_width = insert.width(radius);
     notes.push(insert.note().to_owned());
-    notes.push("the holder is unknown".to_owned());
+    notes.push(UNKNOWN_HOLDER.to_owned());
     let attributes = tree.get("attribute");
     // Older tool bits have it among the attributes.
     let flutes = parameters.get("Flutes").or_else(|| attributes.and_then(|all| all.get("Flutes")));

@@ -140,6 +140,8 @@ impl AssumedInsert {
     }
 }
 
+/// What is noted where a library does not know holders.
+pub(super) const UNKNOWN_HOLDER: &str = "the holder is unknown";
 /// What is noted of a rate that a library does not give.
 const MISSING_RATE: &str = "in the library: by `material` of the setup; without one 300 mm/min, 1200 rev/min";
 
@@ -150,6 +152,7 @@ impl LibraryTool {
     pub fn replace(&mut self, tool: Tool) {
         let before = &self.tool;
         let mut given = vec![MISSING_RATE];
+        given.extend((!tool.assembly.holder.is_empty()).then_some(UNKNOWN_HOLDER));
         given.extend(AssumedInsert::ALL.iter().filter(|insert| !insert.is_of(&tool)).map(|i| i.note()));
         let sizes = [
             ("stick-out assumed", before.overhang, tool.overhang),
