@@ -30,6 +30,9 @@ pub struct ReachSides {
 }
 
 impl ReachSides {
+    /// The classes of access in the order of tables: from any side, the outlet, the inlet, both.
+    pub const CLASSES: [fn(Self) -> bool; 4] = [|s| s.any, |s| s.outlet, |s| s.inlet, Self::both];
+
     pub(super) fn or(self, other: Self) -> Self {
         Self {
             outlet: self.outlet || other.outlet,

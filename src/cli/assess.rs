@@ -68,16 +68,8 @@ fn write_pictures(_: &Path, _: &AssessedPart) -> Result<String, Failure> {
     super::without_gpu::no_pictures()
 }
 
-/// A class of access to the floor: its key in JSON, and whether a point is accessible in this class.
-type AccessClass = (&'static str, fn(ReachSides) -> bool);
-
-/// The classes of access, in the order of the tables.
-const ACCESS_CLASSES: [AccessClass; 4] = [
-    ("reached", |s| s.any),
-    ("from_outlet", |s| s.outlet),
-    ("from_inlet", |s| s.inlet),
-    ("from_both", ReachSides::both),
-];
+/// Keys in JSON of [`ReachSides::CLASSES`].
+const CLASS_KEYS: [&str; 4] = ["reached", "from_outlet", "from_inlet", "from_both"];
 
 fn object(found: &AssessedPart) -> Map<String, Value> {
     let (part, a) = (&found.workpiece.part, &found.assessment);
@@ -96,8 +88,8 @@ fn object(found: &AssessedPart) -> Map<String, Value> {
     put("passage_width_max", number(wide));
     put("largest_cutter", number(a.largest_cutter()));
     put("reachable_share", share(|s| s.any));
-    for (key, wanted) in &ACCESS_CLASSES[1..] {
-        put(&format!("reachable_{key}"), share(*wanted));
+    for (key, wanted) in CLASS_KEYS.iter().zip(ReachSides::CLASSES).skip(1) {
+        put(&format!("reachable_{key}"), share(wanted));
     }
     put("envelope_gap", number(a.blades.iter().map(BladeMeasure::envelope_gap).fold(0.0, f64::max)));
     put("splitter_leading_edge", json!(found.workpiece.channel.splitter_s));
@@ -168,7 +160,7 @@ fn sections_object(found: &AssessedPart) -> Value {
             map.insert("overhang".into(), json!(stretch.tool.overhang));
             map.insert("from".into(), json!(stretch.from));
             map.insert("to".into(), json!(stretch.to));
-            for (key, wanted) in ACCESS_CLASSES {
+            for (key, wanted) in CLASS_KEYS.into_iter().zip(ReachSides::CLASSES) {
                 let share = found.assessment.reach.as_ref();
                 let share = share.map(|map| map.share_between(stretch.from, stretch.to, wanted));
                 map.insert(key.into(), share.map_or(Value::Null, number));
@@ -184,7 +176,7 @@ fn reach_object(map: &ReachMap) -> Value {
         .map(|row| {
             let mut object = Map::new();
             object.insert("s".into(), json!(row.s));
-            for (key, wanted) in ACCESS_CLASSES {
+            for (key, wanted) in CLASS_KEYS.into_iter().zip(ReachSides::CLASSES) {
                 object.insert(key.into(), number(row.share(wanted)));
             }
             Value::Object(object)
@@ -268,10 +260,10 @@ fn reach_table(found: &AssessedPart) -> String {
         );
     };
     for s in found.sections() {
-        let shares = ACCESS_CLASSES.map(|(_, wanted)| map.share_between(s.from, s.to, wanted));
+        let shares = ReachSides::CLASSES.map(|wanted| map.share_between(s.from, s.to, wanted));
         let name = format!("{:.2} to {:.2}", s.from, s.to);
         line(name, format!("D {}", s.tool.diameter), format!("{:.0}", s.tool.overhang), shares);
     }
-    line("all".to_owned(), String::new(), String::new(), ACCESS_CLASSES.map(|(_, wanted)| map.share(wanted)));
+    line("all".to_owned(), String::new(), String::new(), ReachSides::CLASSES.map(|wanted| map.share(wanted)));
     text
 }

@@ -230,12 +230,20 @@ fn uri_of(path: &Path) -> String {
 fn summary_text(args: &ConvertArgs, part: &Impeller, shape: &Tessellation, asked: &Fineness) -> String {
     let copies = part.blade_count
         * (shape.main.triangle_count() + shape.splitters.iter().map(|s| s.triangle_count()).sum::<usize>());
-    let all = shape.hub.triangle_count() + shape.shroud.triangle_count() + copies;
+    let whole = shape.hub.triangle_count() + copies;
+    // STL knows neither copies nor a shroud that is no part of the wheel.
+    let is_stl = args.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("stl"));
+    let count = match is_stl {
+        true => format!("{whole} triangles"),
+        false => {
+            let all = whole + shape.shroud.triangle_count();
+            format!("{} triangles, {all} with all blades", shape.triangle_count())
+        }
+    };
     let mut text = format!(
-        "wrote {}: {}, {} triangles, {all} with all blades, within {:.4} mm\n",
+        "wrote {}: {}, {count}, within {:.4} mm\n",
         args.output.display(),
         part.name,
-        shape.triangle_count(),
         shape.chord_error
     );
     if shape.chord_error > asked.chord_error {

@@ -1,5 +1,6 @@
 //! Pictures and charts of an assessment, and the HTML page that shows them.
 
+use super::assessment_figures::tables;
 use super::chart::{LineChart, Series};
 use super::html::escaped;
 use super::pictures::SIZE;
@@ -77,7 +78,7 @@ pub fn assessment_page(assessed: &AssessedPart, prefix: &str) -> Result<ReportPa
         caption: "Angle between camber line and rotation axis. Dots: where the line is most curved."
             .to_owned(),
     });
-    Ok(ReportPage { page: page(part, &pictures), pictures })
+    Ok(ReportPage { page: page(part, &tables(assessed), &pictures), pictures })
 }
 
 /// Caption of the picture of the gaps to the envelope, the greatest of which is `most`, mm.
@@ -97,7 +98,8 @@ pub fn assessment_charts(workpiece: &Workpiece, assessment: &Assessment) -> [Lin
     [passage_chart(assessment), twist_chart(workpiece, assessment)]
 }
 
-fn page(part: &Impeller, pictures: &[PagePicture]) -> String {
+/// The page with these tables, then the pictures.
+fn page(part: &Impeller, tables: &str, pictures: &[PagePicture]) -> String {
     let name = escaped(&part.name);
     let figure = |f: &PagePicture| {
         let caption = escaped(&f.caption);
@@ -109,8 +111,10 @@ fn page(part: &Impeller, pictures: &[PagePicture]) -> String {
     };
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>{name}: machinability</title>\n\
-         <style>body{{font-family:sans-serif;margin:2em;max-width:800px}}figure{{margin:0 0 2em}}</style>\n\
-         <h1>{name}: machinability</h1>\n{}</html>\n",
+         <style>body{{font-family:sans-serif;margin:2em;max-width:800px}}figure{{margin:2em 0}}\
+         table{{border-collapse:collapse}}td,th{{padding:.2em 1em .2em 0;text-align:left;border-bottom:1px solid #ccc}}\
+         </style>\n\
+         <h1>{name}: machinability</h1>\n{tables}{}</html>\n",
         pictures.iter().map(figure).collect::<String>()
     )
 }

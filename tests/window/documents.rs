@@ -57,6 +57,15 @@ fn the_machinability_is_shown_and_saved_as_the_command_line_has_it() {
     let path = folder.path().join("wheel.html");
     save(&mut window, &path);
     assert_pictures(&path, 5);
+    let page = std::fs::read_to_string(&path).expect("written");
+    let figures = [measured.assessment.largest_cutter(), measured.assessment.depth()];
+    assert!(figures.iter().all(|figure| page.contains(&format!("<td>{figure:.2}</td>"))), "{page}");
+    for blade in &measured.assessment.blades {
+        let twist = blade.twisting().to_degrees();
+        assert!(page.contains(&blade.name) && page.contains(&format!("<td>{twist:.1}</td>")), "{page}");
+    }
+    let map = measured.assessment.reach.as_ref().expect("measured");
+    assert!(page.contains(&format!("<td>{:.1}</td>", 100.0 * map.share(|sides| sides.any))), "{page}");
 
     window.key_press(egui::Key::A);
     window.run_steps(3);

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::{
-    MAX_FAULTS, ProgramFile, SheetPart, heading_of, on_machine_text, page, program_files, tool_card,
-    warning_list,
+    MAX_FAULTS, ProgramFile, SheetPart, faults_text, heading_of, on_machine_text, page, program_files,
+    tool_card, warning_list,
 };
 use crate::flank::UncutLength;
 use crate::flank::choice::overhang_note;
@@ -113,10 +113,9 @@ fn warnings(input: &FlankSheetInput) -> String {
 
 fn program_text(input: &FlankSheetInput) -> String {
     let FlankSheetInput { outcome, program, files, .. } = *input;
-    let faults = match (program.faults.len(), program.verdict.is_some()) {
-        (_, false) => "not verified".to_owned(),
-        (0, true) => "no fault".to_owned(),
-        (count, true) => format!("{count} faults"),
+    let faults = match &program.verdict {
+        Some(_) => faults_text(program.faults.len()),
+        None => "not verified".to_owned(),
     };
     let walls = match &program.verdict {
         Some(verdict) => format!(

@@ -115,6 +115,15 @@ pub fn setup_sheet(input: &SheetInput, pictures: Vec<PagePicture>) -> ReportPage
     page(&part, &body.concat(), pictures)
 }
 
+/// Number of faults in words.
+fn faults_text(count: usize) -> String {
+    match count {
+        0 => "no fault".to_owned(),
+        1 => "1 fault".to_owned(),
+        _ => format!("{count} faults"),
+    }
+}
+
 /// The heading over `pictures`, if there are any: a program without a renderer draws none.
 fn heading_of(pictures: &[PagePicture], title: &str) -> String {
     if pictures.is_empty() { String::new() } else { format!("<h2>{title}</h2>\n") }
@@ -227,10 +236,7 @@ fn warning_list(mut warnings: Vec<String>) -> String {
 /// The files and what `verify` says of the program.
 fn program_text(input: &SheetInput) -> String {
     let summary = &input.report.summary;
-    let faults = match input.report.verdict.faults.len() {
-        0 => "no fault".to_owned(),
-        count => format!("{count} faults"),
-    };
+    let faults = faults_text(input.report.verdict.faults.len());
     let order = match input.channels {
         1 => String::new(),
         _ => format!(", {}; {}", input.outcome.setup.channels.words(), tool_loads_text(summary.tool_loads)),

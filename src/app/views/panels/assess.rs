@@ -139,7 +139,6 @@ fn reach(ui: &mut Ui, assessed: &AssessedPart) {
         }
         return;
     };
-    let classes: [fn(ReachSides) -> bool; 4] = [|s| s.any, |s| s.outlet, |s| s.inlet, ReachSides::both];
     ui.label("Share of the floor that is reached, %");
     Grid::new("reach").num_columns(5).min_col_width(0.0).striped(true).spacing([7.0, 3.0]).show(ui, |ui| {
         for (name, tip) in REACH_COLUMNS {
@@ -149,13 +148,13 @@ fn reach(ui: &mut Ui, assessed: &AssessedPart) {
         for section in assessed.sections() {
             let tool = units::display_units(ui).diameter(section.tool.diameter);
             ui.label(format!("{tool}, {:.2}–{:.2}", section.from, section.to));
-            for class in classes {
+            for class in ReachSides::CLASSES {
                 ui.label(format!("{:.1}", 100.0 * map.share_between(section.from, section.to, class)));
             }
             ui.end_row();
         }
         ui.label("all");
-        for class in classes {
+        for class in ReachSides::CLASSES {
             ui.label(format!("{:.1}", 100.0 * map.share(class)));
         }
         ui.end_row();
