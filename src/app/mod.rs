@@ -312,7 +312,7 @@ impl App {
         let setup = setup.map(|setup| TakingSetup { setup, chosen });
         let answer = self.library.show(ui, setup, is_docked);
         let time = ui.input(|input| input.time);
-        self.library.watch(time, &self.state.document.edited);
+        self.library.watch(time);
         match answer {
             Some(LibraryAnswer::Command(command)) => self.run_command(ui.ctx(), command),
             Some(LibraryAnswer::Taken(text)) => self.state.report_done(text),

@@ -4,6 +4,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
+use vanecut::app::model::panels::DockPanel;
 use vanecut::app::model::state::Tone;
 use vanecut::io::shop_tools::{LibraryFormat, read_library};
 use vanecut::job::PlanOutcome;
@@ -444,6 +445,58 @@ fn edits_of_the_library_are_undone_and_asked_about_before_they_are_lost() {
     assert!(tools.len() > 80 && tools.iter().all(|entry| entry.tool.number != 64), "without the deleted one");
     assert!(window.query_by_label("Save the changes of the shop library?").is_none(), "it goes on to quit");
     window.get_by_label("shop.toml");
+}
+
+/// Whether the library has a tool of this number.
+fn has_tool(window: &mut Window, number: u32) -> bool {
+    window.get_by_role_and_label(Role::TextInput, "Search").focus();
+    window.run_steps(1);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    window.event(egui::Event::Text(format!("T{number}")));
+    window.run_steps(3);
+    window.query_by_label_contains(&format!("T{number} Ø")).is_some()
+}
+
+#[test]
+fn undo_takes_back_edits_of_library_and_project_in_their_order_and_none_that_is_not_seen() {
+    let mut window = with_shop_library();
+    let delete = |window: &mut Window, number: u32| {
+        assert!(has_tool(window, number));
+        window.get_by_label_contains(&format!("T{number} Ø")).click();
+        window.run_steps(3);
+        click(window, "Delete");
+        window.run_steps(8);
+    };
+    delete(&mut window, 64);
+    window.state_mut().look_mut().selected = None;
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(5.0);
+    window.run_steps(8);
+    settle(&mut window);
+    delete(&mut window, 56);
+    let now = |window: &mut Window| {
+        let step = window.state().state().document.edited.setup.plunge.step;
+        (has_tool(window, 64), step, has_tool(window, 56))
+    };
+    let states =
+        [(true, None, true), (false, None, true), (false, Some(5.0), true), (false, Some(5.0), false)];
+    assert_eq!(now(&mut window), states[3]);
+    for state in states[..3].iter().rev() {
+        key(&mut window, egui::Modifiers::COMMAND, egui::Key::Z);
+        assert_eq!(now(&mut window), *state, "undo");
+    }
+    for state in &states[1..] {
+        key(&mut window, egui::Modifiers::COMMAND, egui::Key::Y);
+        assert_eq!(now(&mut window), *state, "redo");
+    }
+    // What was deleted last stays where it is not seen.
+    window.state_mut().look_mut().panels.close(DockPanel::ToolLibrary);
+    window.run_steps(3);
+    for _ in 0..3 {
+        key(&mut window, egui::Modifiers::COMMAND, egui::Key::Z);
+    }
+    window.state_mut().look_mut().panels.open(DockPanel::ToolLibrary);
+    window.run_steps(4);
+    assert_eq!(now(&mut window), (false, None, false));
 }
 
 #[test]

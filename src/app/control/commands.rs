@@ -15,6 +15,7 @@ use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::panels::DockPanel;
 use crate::app::model::planned::Side;
 use crate::app::model::plunge_edits::CuttingPlace;
+use crate::app::model::shop_library::ShopLibrary;
 use crate::app::model::state::Boundary;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
@@ -110,8 +111,12 @@ impl App {
             C::MeasureHere => self.measure_start().is_some(),
             C::Cancel => self.can_cancel() || self.state.look.measure.is_some(),
             C::Deselect => self.state.has_selection(),
-            C::Undo => self.state.document.can_undo() || self.library.can_undo(&self.state.document.edited),
-            C::Redo => self.state.document.can_redo() || self.library.can_redo(),
+            C::Undo => {
+                self.state.document.can_undo() || self.shown_library().is_some_and(ShopLibrary::can_undo)
+            }
+            C::Redo => {
+                self.state.document.can_redo() || self.shown_library().is_some_and(ShopLibrary::can_redo)
+            }
             _ => true,
         }
     }

@@ -9,7 +9,9 @@ use egui::{Context, Ui};
 use crate::app::App;
 use crate::app::model::file_purpose::{FilePlace, Purpose};
 use crate::app::model::library_state::LibraryState;
+use crate::app::model::panels::DockPanel;
 use crate::app::model::part_source::PartSource;
+use crate::app::model::shop_library::ShopLibrary;
 use crate::app::tasks::open_task::OpenTask;
 use crate::app::views::typed;
 use crate::app::views::unsaved::{self, UnsavedAnswer, UnsavedWork};
@@ -145,10 +147,17 @@ impl App {
         }
     }
 
-    /// Undoes the last change: of the tool library where that came after all of the project.
+    /// The tool library while its panel is open: no edit is taken back that nobody sees.
+    pub(super) fn shown_library(&self) -> Option<&ShopLibrary> {
+        self.library.library().filter(|_| self.state.look.panels.is_open(DockPanel::ToolLibrary))
+    }
+
+    /// Undoes the last change, of the project or of the tool library that is shown.
     pub(in crate::app) fn undo(&mut self, ctx: &Context) {
         typed::forget(ctx);
-        if self.library.undo(&self.state.document.edited) {
+        let of_library = self.shown_library().and_then(ShopLibrary::changed_s);
+        if of_library > self.state.document.changed_s() {
+            self.library.undo();
             return;
         }
         let before = self.state.document.edited.sets.clone();
@@ -163,10 +172,11 @@ impl App {
     /// Redoes what was undone last, in the order in which it was done.
     pub(in crate::app) fn redo(&mut self, ctx: &Context) {
         typed::forget(ctx);
-        if self.state.document.can_redo() {
-            self.state.document.redo();
-        } else {
-            self.library.redo();
+        let of_library = self.shown_library().and_then(ShopLibrary::undone_s);
+        match (self.state.document.undone_s(), of_library) {
+            (Some(project), Some(library)) if library < project => self.library.redo(),
+            (None, Some(_)) => self.library.redo(),
+            _ => self.state.document.redo(),
         }
     }
 }

@@ -131,6 +131,16 @@ impl Document {
         self.history.can_redo(&self.edited)
     }
 
+    /// When the change came about that undo takes back, on the window's clock, s.
+    pub fn changed_s(&self) -> Option<f64> {
+        self.history.changed_s(&self.edited)
+    }
+
+    /// Likewise for the one that redo makes again.
+    pub fn undone_s(&self) -> Option<f64> {
+        self.history.undone_s(&self.edited)
+    }
+
     /// Undoes the last change.
     pub fn undo(&mut self) {
         if let Some(edited) = self.history.undo(&self.edited) {

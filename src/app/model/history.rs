@@ -13,10 +13,19 @@ const MAX_STEPS: usize = 100;
 #[derive(Clone, Debug)]
 pub struct History<T> {
     /// The last is the latest step; the current value may be newer.
-    undos: VecDeque<T>,
-    redos: Vec<T>,
+    undos: VecDeque<HistoryStep<T>>,
+    redos: Vec<HistoryStep<T>>,
     /// A value that differs from the latest step, while it is not stable.
     change: Option<Change<T>>,
+    /// The window's clock, s.
+    now_s: f64,
+}
+
+/// A value, and when it became that, on the window's clock, s.
+#[derive(Clone, Debug)]
+struct HistoryStep<T> {
+    value: T,
+    changed_s: f64,
 }
 
 /// A value that changes.
@@ -30,14 +39,15 @@ struct Change<T> {
 
 impl<T> Default for History<T> {
     fn default() -> Self {
-        Self { undos: VecDeque::new(), redos: Vec::new(), change: None }
+        Self { undos: VecDeque::new(), redos: Vec::new(), change: None, now_s: 0.0 }
     }
 }
 
 impl<T: Clone + PartialEq> History<T> {
     /// Notes the current value; call once per frame. `time` in seconds.
     pub fn watch(&mut self, time: f64, now: &T) {
-        let Some(last) = self.undos.back() else {
+        self.now_s = time;
+        let Some(last) = self.last() else {
             self.add(now);
             return;
         };
@@ -63,42 +73,62 @@ impl<T: Clone + PartialEq> History<T> {
 
     /// Adds the current value as a step, unless it is the latest one.
     pub fn add(&mut self, now: &T) {
+        let changed_s = self.newest_s(now);
         self.change = None;
-        if self.undos.back() == Some(now) {
+        if self.last() == Some(now) {
             return;
         }
-        self.undos.push_back(now.clone());
+        self.undos.push_back(HistoryStep { value: now.clone(), changed_s });
         if self.undos.len() > MAX_STEPS {
             self.undos.pop_front();
         }
     }
 
+    /// When a value that is no step yet became the current one, s.
+    fn newest_s(&self, now: &T) -> f64 {
+        let change = self.change.as_ref().filter(|change| change.latest == *now);
+        change.map_or(self.now_s, |change| change.changed)
+    }
+
     /// The latest step; `None` before the first.
     pub fn last(&self) -> Option<&T> {
-        self.undos.back()
+        self.undos.back().map(|step| &step.value)
+    }
+
+    /// When the change came about that [`Self::undo`] takes back, on the window's clock, s; `None` where it
+    /// takes back none.
+    pub fn changed_s(&self, now: &T) -> Option<f64> {
+        let last = self.undos.back()?;
+        if last.value != *now {
+            return Some(self.newest_s(now));
+        }
+        (self.undos.len() > 1).then_some(last.changed_s)
+    }
+
+    /// Likewise for the change that [`Self::redo`] makes again; none where the value has changed since.
+    pub fn undone_s(&self, now: &T) -> Option<f64> {
+        self.redos.last().filter(|_| self.last() == Some(now)).map(|step| step.changed_s)
     }
 
     /// Whether there is a step before the current value.
     pub fn can_undo(&self, now: &T) -> bool {
-        self.undos.len() > 1 || self.undos.back().is_some_and(|last| last != now)
+        self.changed_s(now).is_some()
     }
 
     /// Whether there is a step that was undone, and the value has not changed since.
     pub fn can_redo(&self, now: &T) -> bool {
-        !self.redos.is_empty() && self.undos.back() == Some(now)
+        self.undone_s(now).is_some()
     }
 
     /// The value before the current one; `None` without one.
     pub fn undo(&mut self, now: &T) -> Option<T> {
-        if !self.can_undo(now) {
-            return None;
-        }
+        let changed_s = self.changed_s(now)?;
         self.change = None;
-        if self.undos.back() == Some(now) {
+        if self.last() == Some(now) {
             self.undos.pop_back();
         }
-        self.redos.push(now.clone());
-        self.undos.back().cloned()
+        self.redos.push(HistoryStep { value: now.clone(), changed_s });
+        self.last().cloned()
     }
 
     /// The value that was undone last; `None` without one.
@@ -108,7 +138,7 @@ impl<T: Clone + PartialEq> History<T> {
         }
         let next = self.redos.pop()?;
         self.undos.push_back(next.clone());
-        Some(next)
+        Some(next.value)
     }
 }
 
@@ -135,6 +165,19 @@ mod tests {
         assert!(!history.can_redo(&6), "a new change");
         history.add(&6);
         assert_eq!(history.undo(&6), Some(4));
+    }
+
+    #[test]
+    fn steps_know_when_they_came_about() {
+        let mut history = History::default();
+        for (time, value) in [(0.0, 1), (2.0, 2), (3.5, 2), (5.0, 3)] {
+            history.watch(time, &value);
+        }
+        assert_eq!(history.changed_s(&3), Some(5.0), "not stable yet");
+        assert_eq!((history.undo(&3), history.changed_s(&2)), (Some(2), Some(2.0)));
+        assert_eq!((history.undo(&2), history.changed_s(&1)), (Some(1), None));
+        assert_eq!((history.undone_s(&1), history.redo(&1)), (Some(2.0), Some(2)));
+        assert_eq!((history.undone_s(&2), history.changed_s(&2)), (Some(5.0), Some(2.0)));
     }
 
     #[test]

@@ -12,6 +12,8 @@ pub enum Quantity {
     FeedRate,
     /// A spindle speed, rev/min.
     SpindleSpeed,
+    /// A duration, minutes.
+    Duration,
     /// A number without unit.
     Plain,
     /// A whole number.
@@ -39,6 +41,7 @@ impl Quantity {
                 &[("mm/min", 1.0), ("m/min", 1000.0), ("mm/s", 60.0), ("in/min", INCH_MM), ("ipm", INCH_MM)]
             }
             Self::SpindleSpeed => &[("rpm", 1.0), ("rev/min", 1.0), ("1/min", 1.0), ("/min", 1.0)],
+            Self::Duration => &[("min", 1.0), ("h", 60.0), ("s", 1.0 / 60.0)],
             Self::Plain | Self::Count => &[],
         }
     }

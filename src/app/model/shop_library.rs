@@ -157,6 +157,16 @@ impl ShopLibrary {
         self.history.can_redo(&self.content)
     }
 
+    /// When the edit was made that undo takes back, on the window's clock, s.
+    pub fn changed_s(&self) -> Option<f64> {
+        self.history.changed_s(&self.content)
+    }
+
+    /// Likewise for the one that redo makes again.
+    pub fn undone_s(&self) -> Option<f64> {
+        self.history.undone_s(&self.content)
+    }
+
     /// Undoes the last edit.
     pub fn undo(&mut self) {
         if let Some(content) = self.history.undo(&self.content) {

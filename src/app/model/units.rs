@@ -220,6 +220,9 @@ mod tests {
             (Inch, "254 mm/min", Quantity::FeedRate, 254.0),
             (Inch, "5", Quantity::Angle, 5.0),
             (Inch, "1200", Quantity::SpindleSpeed, 1200.0),
+            (Metric, "1.5 h", Quantity::Duration, 90.0),
+            (Metric, "90 min", Quantity::Duration, 90.0),
+            (Metric, "30", Quantity::Duration, 30.0),
         ] {
             let parsed = units.parse(text, quantity).unwrap_or_else(|| panic!("{text} is a number"));
             assert!((parsed - value).abs() < 1e-12, "{text:?}: {parsed}");

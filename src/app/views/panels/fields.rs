@@ -79,6 +79,7 @@ impl FieldSpec {
             "°" => Quantity::Angle,
             "mm/min" => Quantity::FeedRate,
             "rev/min" => Quantity::SpindleSpeed,
+            "min" => Quantity::Duration,
             _ => Quantity::Plain,
         }
     }
@@ -104,7 +105,7 @@ fn show(value: f64, spec: &FieldSpec, units: DisplayUnits) -> String {
     match spec.quantity() {
         Quantity::Length => format!("{} {}", units.short(value, spec.decimals), units.length_unit()),
         Quantity::FeedRate => format!("{} {}", units.short(value, spec.decimals), units.feed_unit()),
-        Quantity::Angle | Quantity::SpindleSpeed | Quantity::Plain | Quantity::Count => {
+        Quantity::Angle | Quantity::SpindleSpeed | Quantity::Duration | Quantity::Plain | Quantity::Count => {
             DisplayUnits::Metric.short(value, spec.decimals) + spec.unit
         }
     }

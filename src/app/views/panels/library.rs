@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use egui::{ComboBox, Id, Rect, RichText, TextEdit, Ui};
 
-use crate::app::model::document::Edited;
 use crate::app::model::library_state::LibraryState;
 use crate::app::model::number::Quantity;
 use crate::app::model::problem::without_markdown;
@@ -50,15 +49,12 @@ pub struct TakingSetup<'a> {
 #[derive(Default)]
 pub struct LibraryPanel {
     library: Option<ShopLibrary>,
-    /// The library in the last frame, and the project as it was when that was edited last.
-    latest: Option<(LibraryState, Option<Edited>)>,
 }
 
 impl LibraryPanel {
     /// Takes a library that was read.
     pub fn take(&mut self, library: ShopLibrary) {
         self.library = Some(library);
-        self.latest = None;
     }
 
     /// Whether the library was edited since it was opened or saved.
@@ -73,35 +69,18 @@ impl LibraryPanel {
         }
     }
 
-    /// Notes edits, for undo; call once per frame. `project`: as it is now. `time` in seconds.
-    pub fn watch(&mut self, time: f64, project: &Edited) {
-        let Some(library) = &mut self.library else { return };
-        library.watch(time);
-        match &mut self.latest {
-            Some((known, _)) if known == library.content() => {}
-            Some(latest) => *latest = (library.content().clone(), Some(project.clone())),
-            latest => *latest = Some((library.content().clone(), None)),
+    /// Notes edits, for undo; call once per frame. `time` in seconds.
+    pub fn watch(&mut self, time: f64) {
+        if let Some(library) = &mut self.library {
+            library.watch(time);
         }
     }
 
-    /// Whether its last edit came after all of the `project`, and can be undone.
-    pub fn can_undo(&self, project: &Edited) -> bool {
-        let is_last = self.latest.as_ref().is_some_and(|(_, beside)| beside.as_ref() == Some(project));
-        is_last && self.library.as_ref().is_some_and(ShopLibrary::can_undo)
-    }
-
-    /// Whether an edit was undone that can be redone.
-    pub fn can_redo(&self) -> bool {
-        self.library.as_ref().is_some_and(ShopLibrary::can_redo)
-    }
-
-    /// Undoes its last edit if that came after all of the `project`; `false` if it did not.
-    pub fn undo(&mut self, project: &Edited) -> bool {
-        let can_undo = self.can_undo(project);
-        if let Some(library) = self.library.as_mut().filter(|_| can_undo) {
+    /// Undoes its last edit.
+    pub fn undo(&mut self) {
+        if let Some(library) = &mut self.library {
             library.undo();
         }
-        can_undo
     }
 
     /// Redoes the edit that was undone last.

@@ -22,6 +22,8 @@ pub const HEIGHT: f32 = 92.0;
 const CHIP: &str = "Chip";
 /// The engaged arc.
 const ARC: &str = "Arc";
+/// Between plots, points.
+const GAP: f32 = 6.0;
 /// Plots narrower than this do not show their range, points.
 const NARROW: f32 = 112.0;
 /// In plots narrower than this the value is below the name, points.
@@ -90,24 +92,40 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     ];
     let faulty: Vec<bool> = row.clone().map(|k| at(k).condition() == Condition::Interfering).collect();
     let (mut clicked, mut menu) = (None, None);
-    let gap = 6.0;
-    let count = curves.len() as f32;
-    let width = ((ui.available_width() - (count - 1.0) * gap) / count).max(20.0);
-    let height = ui.available_height().min(HEIGHT);
-    ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = gap;
-        for curve in &curves {
-            let chosen =
-                row.contains(&index).then(|| index - row.start).filter(|_| state.look.selected.is_some());
-            let picked = plot(ui, Vec2::new(width, height), curve, &faulty, chosen);
-            clicked = picked.clicked.map(|k| row.start + k).or(clicked);
-            menu = picked.menu.map(|(command, k)| (command, row.start + k)).or(menu);
-        }
-    });
+    let (columns, size) = arranged(ui.available_size(), curves.len());
+    ui.spacing_mut().item_spacing = Vec2::splat(GAP);
+    for curves in curves.chunks(columns) {
+        ui.horizontal(|ui| {
+            for curve in curves {
+                let chosen =
+                    row.contains(&index).then(|| index - row.start).filter(|_| state.look.selected.is_some());
+                let picked = plot(ui, size, curve, &faulty, chosen);
+                clicked = picked.clicked.map(|k| row.start + k).or(clicked);
+                menu = picked.menu.map(|(command, k)| (command, row.start + k)).or(menu);
+            }
+        });
+    }
     if clicked.is_some() {
         state.look.select(clicked);
     }
     menu
+}
+
+/// How many of `count` plots stand side by side in a panel, and the size of each: all of them, unless they
+/// would be too narrow and the panel is high enough for more rows.
+fn arranged(panel: Vec2, count: usize) -> (usize, Vec2) {
+    let width = |columns: usize| (panel.x - (columns - 1) as f32 * GAP) / columns as f32;
+    let rows = |columns: usize| count.div_ceil(columns);
+    let high = |columns: usize| (rows(columns) as f32) * (HEIGHT + GAP) - GAP;
+    let mut columns = count;
+    while let Some(fewer) = (1..columns).rev().find(|fewer| rows(*fewer) > rows(columns)) {
+        if width(columns) >= NARROW || high(fewer) > panel.y {
+            break;
+        }
+        // As many in each row.
+        columns = count.div_ceil(rows(fewer));
+    }
+    (columns, Vec2::new(width(columns).max(20.0), panel.y.min(HEIGHT)))
 }
 
 /// What was done in a plot: indices within it.
@@ -286,7 +304,20 @@ fn range_text(
 
 #[cfg(test)]
 mod tests {
-    use super::{DisplayUnits, range_text};
+    use super::{DisplayUnits, GAP, HEIGHT, NARROW, arranged, range_text};
+
+    #[test]
+    fn plots_stand_in_rows_where_they_would_be_narrow() {
+        let columns = |width: f32, height: f32| arranged(egui::vec2(width, height), 6).0;
+        assert_eq!(columns(900.0, HEIGHT), 6);
+        assert_eq!(columns(900.0, 800.0), 6, "wide enough");
+        assert_eq!(columns(330.0, HEIGHT), 6, "there is no room for more rows");
+        assert_eq!(columns(330.0, 2.0 * HEIGHT + GAP), 3);
+        assert_eq!(columns(330.0, 800.0), 2);
+        assert_eq!(columns(150.0, 800.0), 1);
+        let (_, size) = arranged(egui::vec2(360.0, 800.0), 6);
+        assert!(size.x >= NARROW && size.y == HEIGHT, "{size}");
+    }
 
     #[test]
     fn a_plot_of_equal_values_names_no_range() {
