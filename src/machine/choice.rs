@@ -105,6 +105,7 @@ pub(super) fn choose(
 #[derive(Default)]
 struct Found {
     first: Option<(usize, LimitFault)>,
+    worst: Option<LimitFault>,
     count: usize,
     steepest_rad: f64,
 }
@@ -115,15 +116,19 @@ impl Found {
         if let Some(fault) = machine.limit_fault(&stretch.axis, tips, stretch.length) {
             self.count += 1;
             self.steepest_rad = self.steepest_rad.max(stretch.axis.angle(&Vector::z()));
+            let is_worse = |worst: &LimitFault| fault.excess() > worst.excess();
+            if fault.is_of_linear_axis() && self.worst.as_ref().is_none_or(is_worse) {
+                self.worst = Some(fault.clone());
+            }
             self.first.get_or_insert((stretch.line, fault));
         }
     }
 
     fn fault(self, machine: &MachineTool) -> Option<MotionFault> {
-        let Self { first, count, steepest_rad } = self;
+        let Self { first, worst, count, steepest_rad } = self;
         let (line, first) = first?;
         let reach_rad = machine.max_axis_tilt_rad();
-        Some(MotionFault::OutOfLimits { line, first, count, steepest_rad, reach_rad })
+        Some(MotionFault::OutOfLimits { line, first, worst, count, steepest_rad, reach_rad })
     }
 
     /// All positions of a stretch that the limits allow.

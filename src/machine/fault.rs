@@ -17,6 +17,8 @@ pub enum MotionFault {
         line: usize,
         /// What keeps the machine from the first.
         first: LimitFault,
+        /// What keeps it from the one that is furthest beyond the limits of a linear axis.
+        worst: Option<LimitFault>,
         /// Number of directions of the tool without a solution.
         count: usize,
         /// Largest angle of one of them from the table's normal, rad.
@@ -64,10 +66,15 @@ impl MotionFault {
     /// What is wrong and what to do.
     pub fn explained(&self) -> UserError {
         match self {
-            Self::OutOfLimits { first, count, steepest_rad, reach_rad, .. } => {
+            Self::OutOfLimits { first, worst, count, steepest_rad, reach_rad, .. } => {
                 let others = match count {
                     1 => "the only such direction".to_owned(),
-                    n if first.is_of_linear_axis() => format!("{n} such directions"),
+                    n if first.is_of_linear_axis() => match worst {
+                        Some(worst) if worst != first => {
+                            format!("{n} such directions, up to {}", worst.where_to())
+                        }
+                        _ => format!("{n} such directions"),
+                    },
                     n => {
                         let steepest = steepest_rad.to_degrees();
                         format!("{n} such directions, tilted by up to {steepest:.1}°")

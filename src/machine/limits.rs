@@ -45,6 +45,16 @@ impl LimitFault {
 }
 
 impl LimitFault {
+    /// Where a linear axis would have to be, and how far that is beyond its limits.
+    pub fn where_to(&self) -> String {
+        match self {
+            Self::Beyond { letter, position, is_rotary: false, .. } => {
+                format!("{letter} {position:.1} mm, {:.1} mm beyond", self.excess().unwrap_or_default())
+            }
+            _ => self.to_string(),
+        }
+    }
+
     /// Whether it is of a linear axis, which another place of the part mends.
     pub fn is_of_linear_axis(&self) -> bool {
         matches!(self, Self::Beyond { is_rotary: false, .. })

@@ -24,6 +24,16 @@ fn limits_and_reach_are_reported_with_their_number() {
     let travel = fault_of(|m| m.linear[0].limits = (-20.0, 20.0));
     assert_eq!(travel.explained().code, ErrorCode::AxisLimits, "{travel}");
     assert!(travel.to_string().contains("X "), "names the axis: {travel}");
+    // How far the part would have to be moved: for the furthest position, not for the first.
+    let mut program = plunges();
+    let late = program.moves.len() - 2;
+    program.moves[late].tip *= 4.0;
+    let mut small = machine("ac-trunnion");
+    small.linear[0].limits = (-20.0, 20.0);
+    let fault = moved(&small, &program, &read_post("fanuc").unwrap(), OutputKind::TcpAngles).unwrap_err();
+    let MotionFault::OutOfLimits { first, worst: Some(worst), .. } = &fault else { panic!("{fault}") };
+    assert!(worst.excess() > first.excess().map(|mm| mm + 100.0), "{fault}");
+    assert!(fault.to_string().contains(&format!(", up to {}", worst.where_to())), "{fault}");
 
     let mut steep = plunges();
     for step in &mut steep.moves {
