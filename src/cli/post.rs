@@ -7,7 +7,7 @@ use super::stdout::print_stdout;
 use super::{Failure, open, output};
 use crate::error::ErrorCode;
 use crate::geometry::without_conversion_error;
-use crate::io::apt::read_apt_bytes;
+use crate::io::apt::{cut_off_error, read_apt_bytes};
 use crate::io::flank_file::{is_flank, read_flank_bytes};
 use crate::io::machine_file::read_machine;
 use crate::io::nc::read_post;
@@ -126,6 +126,10 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
         if program.moves.is_empty() {
             let what = "the program moves nothing";
             return Err(Failure::input(ErrorCode::NothingMoves, what, "give one with GOTO").at(name));
+        }
+        // Of an NC program nobody could tell any more.
+        if program.is_cut_off {
+            return Err(Failure::from(cut_off_error()).at(name));
         }
         // Tools come from the inlet: their axes point to its side.
         let up: f64 = program.moves.iter().map(|m| m.axis.z).sum();

@@ -13,6 +13,7 @@ use super::stdout::{MAX_SHOWN, print_stdout};
 use super::watch::run_with_progress;
 use super::{Failure, open, output};
 use crate::error::ErrorCode;
+use crate::io::apt::cut_off_error;
 use crate::io::program_file::{NcTarget, ProgramReading, read_program_bytes};
 use crate::job::FIELD_CELLS;
 use crate::part::Impeller;
@@ -85,6 +86,9 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
             let what = "the program is unfinished: the calculation of its plan was stopped";
             let failure = Failure::work(ErrorCode::PlanIncomplete, what, "plan again to complete it");
             return Err(failure.at(name));
+        }
+        0 if program.is_cut_off => {
+            return Err(Failure::of_work(cut_off_error()).at(name));
         }
         0 => return Ok(()),
         1 => "one fault found".to_owned(),

@@ -187,12 +187,23 @@ pub struct ClProgram {
     pub stopped_spindle_lines: Vec<usize>,
     /// Warnings of the reader, by line; at most [`MAX_WARNINGS`].
     pub warnings: Vec<ClWarning>,
+    /// Whether its file ends without the statement that ends a program.
+    pub is_cut_off: bool,
 }
 
 impl ClProgram {
     /// Whether its part name says that the calculation of its plan was stopped.
     pub fn is_unfinished(&self) -> bool {
         self.part.ends_with(UNFINISHED)
+    }
+
+    /// What it is where it may lack moves, as an end of a sentence about it; `None` where it is whole.
+    pub fn incomplete_words(&self) -> Option<&'static str> {
+        match (self.is_unfinished(), self.is_cut_off) {
+            (true, _) => Some("is unfinished"),
+            (false, true) => Some("seems cut off"),
+            (false, false) => None,
+        }
     }
 
     /// Takes the name of the part from a line of the program's file, with a warning where it is that of an

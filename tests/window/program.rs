@@ -236,6 +236,26 @@ fn an_unfinished_program_is_named_as_one() {
 }
 
 #[test]
+fn a_program_that_is_cut_off_is_named_as_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, text) = with_checked_program(folder.path());
+    assert!(window.query_by_label_contains("cut off").is_none());
+    let whole = "PARTNO/x\nLOADTL/64\nCUTTER/30\nRAPID\nGOTO/0,0,900,0,0,1\nFINI\n";
+    assert!(text.trim_end().ends_with("FINI"));
+    let path = write(folder.path(), "whole.apt", whole);
+    check(&mut window, &path);
+    assert!(window.query_by_label_contains("cut off").is_none());
+    let cut = text.trim_end().trim_end_matches("FINI");
+    let path = write(folder.path(), "cut.apt", cut);
+    check(&mut window, &path);
+    window.get_by_label_contains("FINI is missing");
+    if window.state().state().results.checked.as_ref().expect("checked").findings.is_empty() {
+        window.get_by_label("No faults, but the program seems cut off");
+    }
+    assert!(!window.state().state().results.checked.as_ref().expect("checked").is_complete);
+}
+
+#[test]
 fn a_program_that_cannot_be_read_is_a_problem_with_its_line() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = write(folder.path(), "bad.apt", "PARTNO/x\nLOADTL/1\nCUTTER/20\nGOTO/1,2\n");

@@ -108,7 +108,7 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
         notes,
         time_estimate: judged.time,
         machine_time: time_on_machine(&program, on_machine.as_ref(), &workpiece, setup, monitor),
-        is_complete: judged.is_complete && !program.is_unfinished(),
+        is_complete: judged.is_complete && program.incomplete_words().is_none(),
         listing: Arc::new(listing),
         program,
         workpiece: Arc::new(workpiece),

@@ -479,6 +479,7 @@ impl<'a> Reader<'a> {
         self.program.warnings.sort_by_key(|warning| warning.line);
         if !self.ended {
             self.warn(last, &format!("FINI is missing: {TRUNCATED}"));
+            self.program.is_cut_off = true;
         }
         Ok(self.program)
     }

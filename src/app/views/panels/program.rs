@@ -106,10 +106,10 @@ pub fn faults(ui: &mut Ui, state: &mut AppState) {
     }
     ui.label(RichText::new("Faults").strong());
     if checked.findings.is_empty() {
-        let words = match (state.program_is_stale(), checked.program.is_unfinished()) {
-            (true, _) => "No faults, but out of date",
-            (false, true) => "No faults, but the program is unfinished",
-            (false, false) => "No faults",
+        let words = match (state.program_is_stale(), checked.program.incomplete_words()) {
+            (true, _) => "No faults, but out of date".to_owned(),
+            (false, Some(words)) => format!("No faults, but the program {words}"),
+            (false, None) => "No faults".to_owned(),
         };
         ui.label(RichText::new(words).color(condition(state, &checked).text(ui.visuals())));
         return;
