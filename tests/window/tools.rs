@@ -202,9 +202,9 @@ fn a_library_is_opened_searched_taken_into_the_setup_and_saved() {
     assert_eq!(tools.len(), 1);
     assert_eq!(tools[0].assembly.holder, [[30.0, 42.0, 25.0], [50.0, 50.0, 35.0]]);
     window.get_by_label("In the setup as T12, its only tool");
-    // Once more, it gets another number, which is said as long as it is there.
+    // Once more, it is there already.
     click(&mut window, "Take into setup");
-    window.get_by_label("In the setup as T12, T14");
+    window.get_by_label("In the setup as T12, its only tool");
     // It is saved as our own.
     click(&mut window, "Save library…");
     name_file(&mut window, &saved);

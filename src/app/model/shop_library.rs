@@ -248,11 +248,16 @@ impl ShopLibrary {
 
     /// Puts a copy of the selected tool into `setup`, with the rates that it lacks by the material of the
     /// setup. Where the setup has another tool of its number, it gets one that no tool of the setup or of the
-    /// library has. Returns its number.
+    /// library has; where the setup has the same tool already, nothing is added. Returns its number.
     pub fn take_into(&self, setup: &mut Setup) -> Option<u32> {
         let entry = self.content.tools.get(self.selected?)?;
         let mut tool = entry.tool.clone();
         take_for_material(&mut tool, setup.allowances.cutting_data());
+        if let Some(known) =
+            setup.tools.iter().find(|known| tool == Tool { number: tool.number, ..(*known).clone() })
+        {
+            return Some(known.number);
+        }
         let taken = |number: u32| setup.tools.iter().any(|known| known.number == number);
         if tool.number == 0 || taken(tool.number) {
             let own: HashSet<u32> = self.content.tools.iter().map(|entry| entry.tool.number).collect();
@@ -301,6 +306,13 @@ mod tests {
         library.selected = library.shown(DisplayUnits::Metric).first().copied();
         let mut setup = Setup::default();
         let first = library.take_into(&mut setup).expect("a tool");
+        assert_eq!(
+            (library.take_into(&mut setup), setup.tools.len()),
+            (Some(first), 1),
+            "it is there already"
+        );
+        // Another tool of its number.
+        setup.tools[0].overhang += 1.0;
         let second = library.take_into(&mut setup).expect("a tool");
         assert_ne!(first, second);
         let others = library.content().tools.iter().map(|entry| entry.tool.number);

@@ -241,8 +241,16 @@ fn words(curve: &[CurvePlace], handle: f64, shown: Option<CurvePlace>, state: &A
     let (now, known) = shown.filter(|place| place.0.is_finite()).unwrap_or(slowest);
     if stands_at(handle, now, state) {
         let longest = end_words(slowest, (now, known), length);
+        // The limit of this goal counts from the allowance.
+        let above = match state.document.edited.setup.plunge.goal {
+            Goal::Time { .. } => {
+                let allowance = state.document.edited.setup.allowances.hub_allowance;
+                format!(", {} above the allowance", length(known - allowance))
+            }
+            _ => String::new(),
+        };
         return format!(
-            "{handle:.1} min per channel: hub stock {} (95 %), the shown plan; {longest}",
+            "{handle:.1} min per channel: hub stock {} (95 %{above}), the shown plan; {longest}",
             length(known)
         );
     }
