@@ -84,7 +84,8 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     if format == PartFormat::Stl {
         let mesh = shape.open_wheel(part);
         write_atomically(&args.output, &write_stl(&mesh.points, &mesh.triangles, &part.name))?;
-        return print_stdout(&(summary_text(args, part, &shape, &asked) + &sides_note(part)));
+        let count = format!("{} triangles", mesh.triangles.len());
+        return print_stdout(&(summary_text(args, part, &count, (&shape, &asked)) + &sides_note(part)));
     }
     let cutters = if args.plain { CutterNodes::Plain } else { CutterNodes::Instanced };
     let scene = match &content {
@@ -93,7 +94,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
         InputContent::Plan(plan) => plan_scene(plan, &shape, cutters),
     };
     write_scene(&scene, &args.output, format)?;
-    print_stdout(&summary_text(args, part, &shape, &asked))
+    print_stdout(&summary_text(args, part, &scene_count(part, &shape), (&shape, &asked)))
 }
 
 /// Extension of a path in lower case.
@@ -227,19 +228,21 @@ fn uri_of(path: &Path) -> String {
     name.bytes().map(|b| if plain(b) { char::from(b).to_string() } else { format!("%{b:02X}") }).collect()
 }
 
-fn summary_text(args: &ConvertArgs, part: &Impeller, shape: &Tessellation, asked: &Fineness) -> String {
+/// Number of triangles of a scene, which has each kind of blade once and its copies as nodes.
+fn scene_count(part: &Impeller, shape: &Tessellation) -> String {
     let copies = part.blade_count
         * (shape.main.triangle_count() + shape.splitters.iter().map(|s| s.triangle_count()).sum::<usize>());
-    let whole = shape.hub.triangle_count() + copies;
-    // STL knows neither copies nor a shroud that is no part of the wheel.
-    let is_stl = args.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("stl"));
-    let count = match is_stl {
-        true => format!("{whole} triangles"),
-        false => {
-            let all = whole + shape.shroud.triangle_count();
-            format!("{} triangles, {all} with all blades", shape.triangle_count())
-        }
-    };
+    let all = shape.hub.triangle_count() + shape.shroud.triangle_count() + copies;
+    format!("{} triangles, {all} with all blades", shape.triangle_count())
+}
+
+/// What was written, with this `count` of triangles, and where it is coarser than was asked for.
+fn summary_text(
+    args: &ConvertArgs,
+    part: &Impeller,
+    count: &str,
+    (shape, asked): (&Tessellation, &Fineness),
+) -> String {
     let mut text = format!(
         "wrote {}: {}, {count}, within {:.4} mm\n",
         args.output.display(),

@@ -127,7 +127,7 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
             let what = "the program moves nothing";
             return Err(Failure::input(ErrorCode::NothingMoves, what, "give one with GOTO").at(name));
         }
-        // Of an NC program nobody could tell any more.
+        // The NC program would have its end: nobody could see that moves are missing.
         if program.is_cut_off {
             return Err(Failure::from(cut_off_error()).at(name));
         }

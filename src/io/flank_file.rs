@@ -402,7 +402,7 @@ pub fn read_flank_bytes(name: &str, bytes: &[u8]) -> Result<StoredFlank, InputEr
     let file: FlankFile =
         serde_json::from_slice(bytes).map_err(|e| source.not_json(&e, "a flank plan file", help))?;
     stored::check_version(name, "flank plan file", file.vanecut_flank, VERSION)?;
-    let StoredInputs { description, part, setup } = stored::read_inputs(name, &file.part, &file.setup)?;
+    let StoredInputs { description, part, setup } = stored::read_inputs(name, &file.part, &file.setup, None)?;
     let layers = file.layers.len();
     let mut curves = Vec::new();
     for (layer, found) in file.layers.into_iter().enumerate() {

@@ -274,8 +274,8 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
     let file: PlanRecord =
         serde_json::from_slice(bytes).map_err(|e| source.not_json(&e, "a plan file", help))?;
     stored::check_version(name, "plan file", file.vanecut_plan, VERSION)?;
-    let StoredInputs { description, part, mut setup } = stored::read_inputs(name, &file.part, &file.setup)?;
-    setup.plunge.axis = file.policy;
+    let StoredInputs { description, part, setup } =
+        stored::read_inputs(name, &file.part, &file.setup, Some(file.policy))?;
     let mut sections = Vec::new();
     for (index, section) in setup.plunge.sections.iter().enumerate() {
         sections.push(SectionPlan {

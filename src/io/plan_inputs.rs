@@ -69,11 +69,8 @@ pub fn read_plan_inputs(path: &Path) -> Result<PlanInputs, InputError> {
     {
         check_version(&name, "plan file", version.unwrap_or(0), known)?;
     }
-    let StoredInputs { description, mut setup, .. } = read_inputs(&name, &file.part, &file.setup)?;
-    // Setups in files of older versions have the strategy that the plan was not made by.
-    if let Some(policy) = file.policy {
-        setup.plunge.axis = policy;
-    }
+    let StoredInputs { description, mut setup, .. } =
+        read_inputs(&name, &file.part, &file.setup, file.policy)?;
     let is_flank = file.vanecut_flank.is_some();
     if is_flank {
         leave_out_chosen_tool(&mut setup);

@@ -11,7 +11,7 @@ use super::source::MAX_COORDINATE;
 use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::part::{Impeller, PartDescription};
-use crate::setup::Setup;
+use crate::setup::{AxisPolicy, Setup};
 
 /// Tolerance on the length of a unit axis.
 const UNIT_TOLERANCE: f64 = 1e-6;
@@ -33,12 +33,20 @@ pub(super) fn check_version(name: &str, kind: &str, version: u32, known: u32) ->
     Err(InputError::new(ErrorCode::NewerFile, name, 0, what, "open it with a newer vanecut"))
 }
 
-/// Reads the part and setup of a plan file from the texts under its keys `part` and `setup`.
-pub(super) fn read_inputs(name: &str, part: &str, setup: &str) -> Result<StoredInputs, InputError> {
+/// Reads the part and setup of a plan file from the texts under its keys `part` and `setup`. `policy` is the
+/// one that a plunge plan was made by: in older files the setup may name another.
+pub(super) fn read_inputs(
+    name: &str,
+    part: &str,
+    setup: &str,
+    policy: Option<AxisPolicy>,
+) -> Result<StoredInputs, InputError> {
     let place = inside(name, "part");
     let description = read_part_bytes(&place, part.as_bytes(), "toml")?;
     let part = Impeller::build(&description).map_err(|e| InputError::of_part(&place, e))?;
-    Ok(StoredInputs { description, part, setup: read_setup_bytes(&inside(name, "setup"), setup.as_bytes())? })
+    let mut setup = read_setup_bytes(&inside(name, "setup"), setup.as_bytes())?;
+    setup.plunge.axis = policy.unwrap_or(setup.plunge.axis);
+    Ok(StoredInputs { description, part, setup })
 }
 
 /// Name in messages of a text embedded in a file.

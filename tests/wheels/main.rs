@@ -209,7 +209,6 @@ fn strips_under_leaning_walls_are_cut() {
 /// A plunge that clears a core only between two of the lines on which contact is evaluated is needed as well:
 /// where it was left out as not worth its time, a later core met a sliver of stock .46 mm above its bottom.
 #[test]
-#[ignore = "a plan of half a minute; scripts/nightly runs it"]
 fn cores_stay_free_where_plunges_are_left_out() {
     let wheel = make::wheel(53, 1);
     let outcome = planned(open(&wheel));

@@ -42,6 +42,13 @@ fn export(window: &mut Window) {
     window.get_by_label("Export CL (APT)");
 }
 
+/// Exports under a name that is typed.
+fn export_as(window: &mut Window, name: &Path) {
+    export(window);
+    name_file(window, name);
+    press_enter(window);
+}
+
 /// A dialog of the system that does not open, and says so only when that is asked of it.
 struct SlowDialog(Arc<AtomicBool>);
 
@@ -136,9 +143,7 @@ fn an_enter_that_is_held_does_not_confirm_the_proposed_name() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
     window.state_mut().use_own_file_dialogs();
-    export(&mut window);
-    name_file(&mut window, &folder.path().join("first.apt"));
-    press_enter(&mut window);
+    export_as(&mut window, &folder.path().join("first.apt"));
     let held = |window: &mut Window| {
         let physical_key = Some(egui::Key::Enter);
         let (key, modifiers) = (egui::Key::Enter, egui::Modifiers::NONE);
@@ -226,9 +231,7 @@ fn a_wrong_ending_is_refused_and_nothing_is_replaced_unasked() {
     assert!(vanecut::io::apt::read_apt(&path).is_ok(), "replaced");
 
     // A missing ending is added.
-    export(&mut window);
-    name_file(&mut window, &folder.path().join("q"));
-    press_enter(&mut window);
+    export_as(&mut window, &folder.path().join("q"));
     assert!(folder.path().join("q.apt").exists());
 
     export(&mut window);
@@ -247,9 +250,7 @@ fn a_typed_ending_is_not_doubled_and_a_click_in_the_list_leaves_the_keys_to_the_
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
     window.state_mut().use_own_file_dialogs();
-    export(&mut window);
-    name_file(&mut window, &folder.path().join("first.apt"));
-    press_enter(&mut window);
+    export_as(&mut window, &folder.path().join("first.apt"));
     // The next dialog begins in that folder, with one file in its list.
     export(&mut window);
     let name = |window: &Window| window.get_by_role_and_label(Role::TextInput, "File").value();

@@ -1,5 +1,6 @@
 //! Nothing is lost and no bad program leaves the window unasked.
 
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -138,6 +139,25 @@ fn a_shank_in_the_way_is_asked_about_before_a_setup_sheet_is_written() {
     assert!(path.exists(), "it is accepted");
 }
 
+/// Edits the step, of which no plan is ready while `slow` is set, and exports the plan before it to `path`.
+fn export_while_edits_are_calculated(window: &mut Window, slow: &fake::Slow, path: &Path) {
+    slow.store(true, Ordering::SeqCst);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
+    window.run_steps(3);
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, ONE_CHANNEL, path.to_owned());
+    window.run_steps(2);
+}
+
+/// Clicks a button of a question that has changed, after the time for reading it.
+fn answer_once_read(window: &mut Window, button: &str) {
+    settle(window);
+    window.run_steps(8);
+    click_enabled(window, button);
+    window.run_steps(2);
+    settle(window);
+}
+
 /// A calculation that ends while the question is open replaces the plan that it is about: what is written is
 /// what the question names, and no button takes the place of another.
 #[test]
@@ -149,12 +169,7 @@ fn a_question_follows_the_plan_that_is_calculated_meanwhile() {
         outcome.after.plan.converged = outcome.setup.plunge.step != Some(3.0);
     });
     let mut window = with_sample(engine);
-    slow.store(true, Ordering::SeqCst);
-    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
-    window.run_steps(3);
-    let ctx = window.ctx.clone();
-    window.state_mut().file_chosen(&ctx, ONE_CHANNEL, path.clone());
-    window.run_steps(2);
+    export_while_edits_are_calculated(&mut window, &slow, &path);
     window.get_by_label_contains("The setup was edited after this calculation");
     window.get_by_label("p.apt");
     let place = window.get_by_label("Export anyway").rect();
@@ -173,11 +188,7 @@ fn a_question_follows_the_plan_that_is_calculated_meanwhile() {
     assert!(export.accesskit_node().is_disabled(), "not before the question is read again");
     assert!((export.rect().left() - place.left()).abs() < 1.0, "it stays where it was");
     assert!(window.get_by_label("Recalculate").accesskit_node().is_disabled());
-    settle(&mut window);
-    window.run_steps(8);
-    click_enabled(&window, "Export anyway");
-    window.run_steps(2);
-    settle(&mut window);
+    answer_once_read(&mut window, "Export anyway");
     assert!(path.exists());
 }
 
@@ -188,21 +199,12 @@ fn a_question_that_has_answered_itself_just_exports() {
     let path = folder.path().join("p.apt");
     let (engine, slow) = fake::engine();
     let mut window = with_sample(engine);
-    slow.store(true, Ordering::SeqCst);
-    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
-    window.run_steps(3);
-    let ctx = window.ctx.clone();
-    window.state_mut().file_chosen(&ctx, ONE_CHANNEL, path.clone());
-    window.run_steps(2);
+    export_while_edits_are_calculated(&mut window, &slow, &path);
     window.get_by_label("Export anyway");
     slow.store(false, Ordering::SeqCst);
     wait_until(&mut window, |window| window.query_by_label_contains("Nothing speaks against it").is_some());
     assert!(window.query_by_label("Export anyway").is_none());
-    settle(&mut window);
-    window.run_steps(8);
-    click_enabled(&window, "Export");
-    window.run_steps(2);
-    settle(&mut window);
+    answer_once_read(&mut window, "Export");
     assert!(path.exists());
 }
 

@@ -84,7 +84,7 @@ impl<T: Clone + PartialEq> History<T> {
         }
     }
 
-    /// When a value that is no step yet became the current one, s.
+    /// When the value changed last, s, where it has changed since the latest step.
     fn newest_s(&self, now: &T) -> f64 {
         let change = self.change.as_ref().filter(|change| change.latest == *now);
         change.map_or(self.now_s, |change| change.changed)

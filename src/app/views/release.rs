@@ -62,8 +62,9 @@ pub struct ReleaseWords {
     above: &'static str,
     /// What stands below it; may be empty.
     below: &'static str,
-    /// The button that writes the file, and where nothing speaks against it any more.
+    /// The button that writes the file although something speaks against it.
     anyway: &'static str,
+    /// The button that writes it once nothing does any more.
     now: &'static str,
 }
 
@@ -137,8 +138,8 @@ pub fn ask(
                 }
             }
             let is_read = renewal.is_none_or(|renewal| renewal.since_s >= READING_TIME_S);
-            let goes_on = if renewal.is_some() && concerns.is_empty() { words.now } else { words.anyway };
-            if ui.add_enabled(is_read, egui::Button::new(goes_on)).clicked() {
+            let write = if concerns.is_empty() { words.now } else { words.anyway };
+            if ui.add_enabled(is_read, egui::Button::new(write)).clicked() {
                 answer = Some(ReleaseAnswer::Export);
             }
             if !is_read {

@@ -248,8 +248,8 @@ fn more_fields(ui: &mut Ui, tool: &mut Tool) {
 }
 
 /// Rows of the segments of a shank or holder, from the cutter towards the spindle, with buttons to add and
-/// remove. `new` is the piece that the button adds first. `room`: the length, mm, that all of them together
-/// do not reach. Returns where the last one is.
+/// remove. `new` is the piece that the button adds first. All of them together stay shorter than `room`, mm.
+/// Returns where the last one is.
 fn segments<const N: usize>(
     ui: &mut Ui,
     what: &str,

@@ -284,8 +284,9 @@ fn elided(ui: &Ui, text: &str, font: &FontId, width: f32) -> Arc<Galley> {
     ui.painter().layout_job(job)
 }
 
-/// Ends of the scale of a plot; where all values, from the least to the greatest, read the same, that one:
-/// the scale goes on beyond it. With a decimal less than `most` for one value, unless a value would read 0.
+/// Ends of the scale of a plot. Where all values, from the least to the greatest, read the same, that value
+/// alone, as the scale goes on beyond it. With one decimal less than `most`, unless the greatest value would
+/// then read 0.
 fn range_text(
     values: (f64, f64),
     scale: (f64, f64),
@@ -311,7 +312,7 @@ mod tests {
         let columns = |width: f32, height: f32| arranged(egui::vec2(width, height), 6).0;
         assert_eq!(columns(900.0, HEIGHT), 6);
         assert_eq!(columns(900.0, 800.0), 6, "wide enough");
-        assert_eq!(columns(330.0, HEIGHT), 6, "there is no room for more rows");
+        assert_eq!(columns(330.0, HEIGHT), 6, "the panel is too low for a second row");
         assert_eq!(columns(330.0, 2.0 * HEIGHT + GAP), 3);
         assert_eq!(columns(330.0, 800.0), 2);
         assert_eq!(columns(150.0, 800.0), 1);
