@@ -50,6 +50,10 @@ fn fault(path: &Path, what: String, help: &str) -> InputError {
 
 fn failed(path: &Path, error: &Error) -> InputError {
     let help = match error.kind() {
+        // Of file systems that take no files of others, such as that of the processes.
+        ErrorKind::NotFound if path.parent().is_some_and(Path::is_dir) => {
+            "choose a folder that you may write to"
+        }
         ErrorKind::NotFound | ErrorKind::NotADirectory => "make the folder first, or name another",
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
             "choose a folder that you may write to"

@@ -1,8 +1,8 @@
 //! The window's own file dialog.
 
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use egui::accesskit::Role;
@@ -385,6 +385,36 @@ fn a_blank_is_picked_from_a_file_and_saved_with_the_setup() {
     assert!(text.contains("blank = \"casting.stl\""), "{text}");
     let read = read_setup(&path, &Setup::default()).expect("reads").allowances.blank;
     assert!(matches!(&read, BlankShape::File(again) if again.outline == file.outline), "{read:?}");
+}
+
+#[test]
+fn a_save_that_fails_does_not_lead_the_next_dialog_to_its_folder() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let inner = folder.path().join("inner");
+    let answers = [folder.path().join("first.toml"), inner.join("taken.toml"), inner.join("third.toml")];
+    // A file cannot take the place of a folder.
+    std::fs::create_dir_all(&answers[1]).expect("makes");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let starts = Arc::new(Mutex::new(Vec::new()));
+    let (asked, given) = (Arc::clone(&starts), answers.clone());
+    window.state_mut().use_file_dialog(Arc::new(move |_, _, start| {
+        let mut asked = asked.lock().expect("whole");
+        asked.push(start.map(Path::to_owned));
+        SystemAnswer::Chosen(given[asked.len() - 1].clone())
+    }));
+    for number in 1..=answers.len() {
+        choose_in_file_menu(&mut window, "Save setup…");
+        let start = Instant::now();
+        while starts.lock().expect("whole").len() < number {
+            assert!(start.elapsed() < HANG, "no dialog");
+            window.run_steps(1);
+        }
+        settle(&mut window);
+    }
+    let starts = starts.lock().expect("whole");
+    assert_eq!(starts[1..], [Some(folder.path().to_owned()), Some(folder.path().to_owned())]);
+    assert!(answers[0].is_file() && answers[1].is_dir() && answers[2].is_file());
 }
 
 /// A slow frame brings several keys at once.

@@ -6,6 +6,7 @@ use egui::accesskit::{Role, Toggled};
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
+use vanecut::app::model::part_source::PartSource;
 use vanecut::app::tasks::engine::Engine;
 use vanecut::flank::{FlankMove, MoveKind};
 use vanecut::io::apt::write_apt;
@@ -274,6 +275,24 @@ fn another_machine_keeps_the_post_file_and_the_subprogram() {
     window.get_by_label_contains("plain.toml: cannot be read");
     let own = read_machine(Path::new("bc-trunnion")).unwrap().control;
     assert_eq!(control(&window), Some(own));
+}
+
+#[test]
+fn another_part_asks_for_a_main_program_again() {
+    let mut window = with_machine("ac-trunnion");
+    let is_subprogram = |window: &Window| {
+        window.get_by_role_and_label(Role::CheckBox, "Subprogram").accesskit_node().toggled()
+    };
+    ask(&mut window);
+    window.get_by_label("Subprogram").click();
+    window.run_steps(2);
+    assert_eq!(is_subprogram(&window), Some(Toggled::True));
+    click_enabled(&window, "Cancel");
+    window.run_steps(3);
+    window.state_mut().open_part(PartSource::Sample("impeller9x9".to_owned()));
+    settle(&mut window);
+    ask(&mut window);
+    assert_eq!(is_subprogram(&window), Some(Toggled::False));
 }
 
 #[test]

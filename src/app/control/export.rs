@@ -184,6 +184,7 @@ impl App {
             Outcome::Done(written) => {
                 self.state.solve(Topic::Writing(written.kind));
                 self.state.report_done(written.text);
+                self.dialogs.note_folder(written.place, &written.file);
                 if let Some((plan, file)) = written.program {
                     self.state.results.exported.note(plan, file);
                 }
@@ -373,6 +374,7 @@ impl App {
     /// Asks where an NC program is to run: on the machine of the setup, or on the one that was asked for
     /// last.
     pub(in crate::app) fn ask_for_nc_target(&mut self) {
+        let Some(part) = self.state.document.part.as_ref().map(|part| part.hash.clone()) else { return };
         let operations = self.planned_operations();
         let last = self.nc_dialog.question().cloned();
         let machine = self.state.document.edited.setup.machine.file.clone();
@@ -381,12 +383,15 @@ impl App {
             Ok(own) => own,
             Err(error) => return self.state.report_problem(Problem::from(&error)),
         };
-        let target = last.as_ref().map_or(own, |last| last.target.clone());
+        let mut target = last.as_ref().map_or(own, |last| last.target.clone());
         // What was asked for last was chosen, or seen at least.
         let is_example = machine.is_none() && last.as_ref().is_none_or(|last| last.is_example);
         let other = machine.filter(|machine| *machine != target.machine);
         let Some(operation) = self.exported_operation() else { return };
         let channel_count = self.channel_count();
+        // The machine stays from part to part; what the program is a part of does not.
+        let last = last.filter(|last| last.part == part);
+        target.is_subprogram &= last.is_some();
         let channels = last.map_or(self.state.look.shown_channels, |last| last.channels);
         let channels = channels.clamp(1, channel_count);
         let machines = self.state.machines.clone();
@@ -398,6 +403,7 @@ impl App {
             target,
             machines,
             is_example,
+            part,
         });
         // What was chosen for another machine stays.
         if let Some(machine) = other {

@@ -185,6 +185,10 @@ pub fn check_openable(path: &Path) -> Result<(), InputError> {
 pub struct Written {
     /// What was written; see [`WriteTask::kind`].
     pub kind: &'static str,
+    /// Where files of this kind lie.
+    pub place: FilePlace,
+    /// Its file, the first where there are several.
+    pub file: PathBuf,
     /// Message for the status bar.
     pub text: String,
     /// A project that was written; `None` for other files.
@@ -326,6 +330,16 @@ impl WriteTask {
         }
     }
 
+    /// Where its file lies.
+    fn place(&self) -> FilePlace {
+        match self {
+            Self::Project(_) => FilePlace::Part,
+            Self::Setup(..) => FilePlace::Setups,
+            Self::Library(..) => FilePlace::Shop,
+            _ => FilePlace::Work,
+        }
+    }
+
     /// Whether its program is checked first, which can be cancelled: that of a flank plan in several
     /// channels, which takes as long as to plan it, one with shanks or holders, and that of a setup sheet.
     /// Everything else takes a moment.
@@ -349,7 +363,7 @@ impl WriteTask {
 /// program that is asked about first; when `monitor` is cancelled.
 pub fn write(task: &WriteTask, monitor: &Monitor) -> Result<Written, WriteError> {
     match write_file(task, monitor) {
-        Ok(written) => Ok(Written { kind: task.kind(), ..written }),
+        Ok(written) => Ok(Written { kind: task.kind(), place: task.place(), ..written }),
         Err(WriteError::Failed(error, _)) => Err(WriteError::Failed(error, task.kind())),
         Err(other) => Err(other),
     }
@@ -434,13 +448,23 @@ fn write_file(task: &WriteTask, monitor: &Monitor) -> Result<Written, WriteError
         WriteTask::Nc(_, content) => Some((content.source.plan(), content.file(name))),
         _ => None,
     };
-    Ok(Written { kind: "", text: format!("Wrote {}{about}", path.display()), project, library, program })
+    Ok(Written {
+        kind: "",
+        place: FilePlace::Work,
+        file: path.clone(),
+        text: format!("Wrote {}{about}", path.display()),
+        project,
+        library,
+        program,
+    })
 }
 
 fn write_document(path: &Path, document: &ReportPage) -> Result<Written, InputError> {
     write_all_atomically(&document.files_at(path))?;
     Ok(Written {
         kind: "",
+        place: FilePlace::Work,
+        file: path.to_owned(),
         text: format!("Wrote {} and its pictures, in mm", path.display()),
         project: None,
         library: None,

@@ -14,6 +14,7 @@ use crate::app::model::machine_list::MachineList;
 use crate::app::model::post_target::PostTarget;
 use crate::app::model::problem::{Problem, without_markdown};
 use crate::io::nc::built_in_posts;
+use crate::io::part_hash::PartHash;
 use crate::machine::{ChannelCalls, OutputKind};
 use crate::setup::{ChannelSequence, ChannelSetup};
 
@@ -34,6 +35,8 @@ pub struct NcQuestion {
     pub machines: MachineList,
     /// Whether nobody has chosen the machine: the setup names none.
     pub is_example: bool,
+    /// The part that it was asked for.
+    pub part: PartHash,
 }
 
 impl NcQuestion {

@@ -166,10 +166,7 @@ impl Dialogs {
             // Not awaited: Escape gave it up. A file that is chosen all the same is taken.
             let is_awaited = self.awaited.take().is_some();
             match answer {
-                SystemAnswer::Chosen(path) => {
-                    self.folders.note(purpose.place(), &path);
-                    return Some((purpose, path));
-                }
+                SystemAnswer::Chosen(path) => return Some(self.chosen(purpose, path)),
                 SystemAnswer::Closed => {}
                 SystemAnswer::NotOpened if is_awaited => self.start_prompt(purpose, NO_DIALOG),
                 SystemAnswer::NotOpened => {}
@@ -190,10 +187,18 @@ impl Dialogs {
             }
             PromptAnswer::Chosen(path) => {
                 self.prompt = None;
-                self.folders.note(purpose.place(), &path);
-                Some((purpose, path))
+                Some(self.chosen(purpose, path))
             }
         }
+    }
+
+    /// A file that is to be opened begins the next dialogs in its folder. One that is to be written does so
+    /// once it is there: its folder may not exist.
+    fn chosen(&mut self, purpose: Purpose, path: PathBuf) -> (Purpose, PathBuf) {
+        if !purpose.saves() {
+            self.folders.note(purpose.place(), &path);
+        }
+        (purpose, path)
     }
 
     /// Starts the next dialog for files of this place in the folder of a file that was opened or written.
