@@ -12,6 +12,10 @@ pub enum Quantity {
     FeedRate,
     /// A spindle speed, rev/min.
     SpindleSpeed,
+    /// A cutting speed, m/min.
+    CuttingSpeed,
+    /// A rate of removal, mm³/min.
+    RemovalRate,
     /// A duration, minutes.
     Duration,
     /// A number without unit.
@@ -21,7 +25,12 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// The units that may be typed, with their value in the unit of the field.
+    /// The unit of the field's value; empty where it has none.
+    pub fn unit(self) -> &'static str {
+        self.units().first().map_or("", |(unit, _)| unit)
+    }
+
+    /// The units that may be typed, with their value in that of the field, which is the first.
     fn units(self) -> &'static [(&'static str, f64)] {
         const INCH_MM: f64 = 25.4;
         match self {
@@ -40,7 +49,16 @@ impl Quantity {
             Self::FeedRate => {
                 &[("mm/min", 1.0), ("m/min", 1000.0), ("mm/s", 60.0), ("in/min", INCH_MM), ("ipm", INCH_MM)]
             }
-            Self::SpindleSpeed => &[("rpm", 1.0), ("rev/min", 1.0), ("1/min", 1.0), ("/min", 1.0)],
+            Self::SpindleSpeed => &[("rev/min", 1.0), ("rpm", 1.0), ("1/min", 1.0), ("/min", 1.0)],
+            Self::CuttingSpeed => &[("m/min", 1.0), ("ft/min", 0.3048), ("sfm", 0.3048), ("sfpm", 0.3048)],
+            Self::RemovalRate => &[
+                ("mm³/min", 1.0),
+                ("mm3/min", 1.0),
+                ("cm³/min", 1000.0),
+                ("cm3/min", 1000.0),
+                ("in³/min", INCH_MM * INCH_MM * INCH_MM),
+                ("in3/min", INCH_MM * INCH_MM * INCH_MM),
+            ],
             Self::Duration => &[("min", 1.0), ("h", 60.0), ("s", 1.0 / 60.0)],
             Self::Plain | Self::Count => &[],
         }
@@ -155,7 +173,9 @@ fn skip<'a, 'b>(rest: &'a mut &'b [u8]) -> &'a mut &'b [u8] {
 
 #[cfg(test)]
 mod tests {
-    use super::Quantity::{Angle, Count, FeedRate, Length, Plain, SpindleSpeed};
+    use super::Quantity::{
+        Angle, Count, CuttingSpeed, Duration, FeedRate, Length, Plain, RemovalRate, SpindleSpeed,
+    };
     use super::{parse, with_minus_signs};
 
     #[test]
@@ -163,6 +183,16 @@ mod tests {
         let text = "comes within -5.7 mm (-3) of a semi-finished 2-1 hub - no";
         assert_eq!(with_minus_signs(text), "comes within −5.7 mm (−3) of a semi-finished 2-1 hub - no");
         assert_eq!(with_minus_signs("-0.0 of -0.05 and -0, (-0.00)"), "0.0 of −0.05 and 0, (0.00)");
+    }
+
+    #[test]
+    fn every_unit_that_is_shown_may_be_typed() {
+        for quantity in
+            [Length, Angle, FeedRate, SpindleSpeed, CuttingSpeed, RemovalRate, Duration, Plain, Count]
+        {
+            let text = format!("12 {}", quantity.unit());
+            assert_eq!(parse(&text, quantity), Some(12.0), "{text}");
+        }
     }
 
     #[test]
@@ -182,6 +212,8 @@ mod tests {
             ("(1+2)*3", Plain, 9.0),
             ("-(2-5)", Plain, 3.0),
             ("300 mm/min", FeedRate, 300.0),
+            ("1000 ft/min", CuttingSpeed, 304.8),
+            ("0.8 cm³/min", RemovalRate, 800.0),
             ("10 ipm", FeedRate, 254.0),
             ("1200 rpm", SpindleSpeed, 1200.0),
             ("6/2", Count, 3.0),

@@ -30,16 +30,16 @@ const FLUTES: FieldSpec =
     FieldSpec::mm("Flute length", "Length of the cutting edges; the shank begins there", 0.1, 1000.0);
 const FEED: FieldSpec = FieldSpec {
     tip: "Feed rate of a plunge. Automatic: by feed per tooth, teeth and spindle speed, else by the material",
-    ..FieldSpec::plain("Feed rate", " mm/min", 10_000.0)
+    ..FieldSpec::whole("Feed rate", Quantity::FeedRate, 10_000.0)
 };
 const SPINDLE: FieldSpec = FieldSpec {
     tip: "Automatic: by the cutting speed of the tool, else by the material",
-    ..FieldSpec::plain("Spindle speed", " rev/min", 100_000.0)
+    ..FieldSpec::whole("Spindle speed", Quantity::SpindleSpeed, 100_000.0)
 };
 const TEETH: FieldSpec = FieldSpec {
     label: "Teeth",
     tip: "Number of teeth; with it the feed rate of a plunge follows its engagement",
-    unit: "",
+    quantity: Quantity::Plain,
     min: 1.0,
     max: MAX_TEETH as f64,
     speed: 0.1,
@@ -51,7 +51,7 @@ const TEETH: FieldSpec = FieldSpec {
 const TAPER_ANGLE: FieldSpec = FieldSpec {
     label: "Taper",
     tip: "Half angle of edges that widen towards the shank; plans take cylindrical cutters only",
-    unit: "°",
+    quantity: Quantity::Angle,
     min: 0.1,
     max: 60.0,
     decimals: 2,
@@ -61,7 +61,7 @@ const TAPER_ANGLE: FieldSpec = FieldSpec {
 const TOOTH_FEED: FieldSpec = FieldSpec {
     label: "Feed per tooth",
     tip: "With the teeth and the spindle speed it gives the feed rate where a library has none",
-    unit: " mm",
+    quantity: Quantity::Length,
     min: 1e-4,
     max: 5.0,
     speed: 0.005,
@@ -69,10 +69,10 @@ const TOOTH_FEED: FieldSpec = FieldSpec {
     absent: "none",
     ..TEETH
 };
-const SURFACE_SPEED: FieldSpec = FieldSpec {
+const CUTTING_SPEED: FieldSpec = FieldSpec {
     label: "Cutting speed",
     tip: "With the diameter it gives the spindle speed where a library has none",
-    unit: " m/min",
+    quantity: Quantity::CuttingSpeed,
     min: 0.1,
     max: 1e4,
     speed: 1.0,
@@ -234,7 +234,7 @@ fn more_fields(ui: &mut Ui, tool: &mut Tool) {
                 more.taper_rad = degrees.map(f64::to_radians);
             }
             fields::optional_row(ui, &mut more.feed_per_tooth, &TOOTH_FEED, None);
-            fields::optional_row(ui, &mut more.cutting_speed, &SURFACE_SPEED, None);
+            fields::optional_row(ui, &mut more.cutting_speed, &CUTTING_SPEED, None);
             for (offset, spec) in
                 [(&mut more.length_offset, &LENGTH_OFFSET), (&mut more.diameter_offset, &DIAMETER_OFFSET)]
             {

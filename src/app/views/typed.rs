@@ -100,6 +100,8 @@ fn what_it_is(quantity: Quantity) -> &'static str {
         Quantity::Angle => "an angle: 30, 12.5° or 0.5 rad are",
         Quantity::FeedRate => "a feed rate: 300, 300 mm/min or 12 in/min are",
         Quantity::SpindleSpeed => "a speed: 1200 or 1200 rpm are",
+        Quantity::CuttingSpeed => "a cutting speed: 200, 200 m/min or 650 ft/min are",
+        Quantity::RemovalRate => "a rate of removal: 800, 800 mm³/min or 0.8 cm³/min are",
         Quantity::Duration => "a time: 90, 90 min or 1.5 h are",
         Quantity::Plain => "a number: 12.5 or 30/4 are",
         Quantity::Count => "a whole number: 3 or 12/2 are",

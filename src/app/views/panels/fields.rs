@@ -24,8 +24,8 @@ pub struct FieldSpec {
     pub label: &'static str,
     /// Tooltip: meaning.
     pub tip: &'static str,
-    /// Unit shown after the number, with a leading space if there is one.
-    pub unit: &'static str,
+    /// What the number measures; its unit stands behind it.
+    pub quantity: Quantity,
     /// Minimum.
     pub min: f64,
     /// Maximum.
@@ -47,7 +47,7 @@ impl FieldSpec {
     const PLAIN: Self = Self {
         label: "",
         tip: "",
-        unit: "",
+        quantity: Quantity::Plain,
         min: 0.0,
         max: f64::INFINITY,
         speed: 1.0,
@@ -59,29 +59,35 @@ impl FieldSpec {
 
     /// A length in mm.
     pub const fn mm(label: &'static str, tip: &'static str, least: f64, greatest: f64) -> Self {
-        Self { label, tip, unit: " mm", min: least, max: greatest, speed: 0.05, decimals: 3, ..Self::PLAIN }
+        Self {
+            label,
+            tip,
+            quantity: Quantity::Length,
+            min: least,
+            max: greatest,
+            speed: 0.05,
+            decimals: 3,
+            ..Self::PLAIN
+        }
     }
 
     /// An angle in degrees.
     pub const fn degrees(label: &'static str, tip: &'static str, least: f64, greatest: f64) -> Self {
-        Self { label, tip, unit: "°", min: least, max: greatest, speed: 0.1, decimals: 2, ..Self::PLAIN }
-    }
-
-    /// A whole number with a unit.
-    pub const fn plain(label: &'static str, unit: &'static str, greatest: f64) -> Self {
-        Self { label, unit, min: 1.0, max: greatest, ..Self::PLAIN }
-    }
-
-    /// What the number measures, by its unit.
-    fn quantity(&self) -> Quantity {
-        match self.unit.trim() {
-            "mm" => Quantity::Length,
-            "°" => Quantity::Angle,
-            "mm/min" => Quantity::FeedRate,
-            "rev/min" => Quantity::SpindleSpeed,
-            "min" => Quantity::Duration,
-            _ => Quantity::Plain,
+        Self {
+            label,
+            tip,
+            quantity: Quantity::Angle,
+            min: least,
+            max: greatest,
+            speed: 0.1,
+            decimals: 2,
+            ..Self::PLAIN
         }
+    }
+
+    /// A whole number of at least one.
+    pub const fn whole(label: &'static str, quantity: Quantity, greatest: f64) -> Self {
+        Self { label, quantity, min: 1.0, max: greatest, ..Self::PLAIN }
     }
 
     /// An optional value without which something is left out: "none".
@@ -102,11 +108,14 @@ impl FieldSpec {
 
 /// Number with unit, without trailing zeros.
 fn show(value: f64, spec: &FieldSpec, units: DisplayUnits) -> String {
-    match spec.quantity() {
-        Quantity::Length => format!("{} {}", units.short(value, spec.decimals), units.length_unit()),
-        Quantity::FeedRate => format!("{} {}", units.short(value, spec.decimals), units.feed_unit()),
-        Quantity::Angle | Quantity::SpindleSpeed | Quantity::Duration | Quantity::Plain | Quantity::Count => {
-            DisplayUnits::Metric.short(value, spec.decimals) + spec.unit
+    let number = |units: DisplayUnits| units.short(value, spec.decimals);
+    match spec.quantity {
+        Quantity::Length => format!("{} {}", number(units), units.length_unit()),
+        Quantity::FeedRate => format!("{} {}", number(units), units.feed_unit()),
+        Quantity::Angle => number(DisplayUnits::Metric) + spec.quantity.unit(),
+        Quantity::Plain | Quantity::Count => number(DisplayUnits::Metric),
+        Quantity::SpindleSpeed | Quantity::CuttingSpeed | Quantity::RemovalRate | Quantity::Duration => {
+            format!("{} {}", number(DisplayUnits::Metric), spec.quantity.unit())
         }
     }
 }
@@ -129,7 +138,7 @@ pub fn number_box(
     automatic: Option<Automatic>,
 ) -> (Response, Typed) {
     let least = if automatic.is_some() { 0.0 } else { spec.min };
-    let (quantity, units) = (spec.quantity(), units::display_units(ui));
+    let (quantity, units) = (spec.quantity, units::display_units(ui));
     let held = Cell::new(*value);
     let stand_in = automatic.and_then(|automatic| automatic.now);
     let number = || stand_in.filter(|_| held.get() <= 0.0).unwrap_or(held.get());

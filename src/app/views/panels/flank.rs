@@ -18,6 +18,7 @@ use crate::setup::{FlankStrategy, Setup, Tool};
 use super::fields::{self, ChoiceSpec, FieldSpec, ListEntry};
 use crate::app::model::field_faults::FieldScope;
 use crate::app::model::look::FlankLook;
+use crate::app::model::number::Quantity;
 use crate::app::views::command::Command;
 use crate::app::views::field_faults;
 use crate::app::views::swatch::swatch;
@@ -52,7 +53,7 @@ const APPROACH_FEED: FieldSpec =
     feed("Approach feed", "Feed rate down to the stock at the start of a pass, where the cutter meets none");
 
 const fn feed(label: &'static str, tip: &'static str) -> FieldSpec {
-    FieldSpec { tip, ..FieldSpec::plain(label, " mm/min", 20_000.0) }
+    FieldSpec { tip, ..FieldSpec::whole(label, Quantity::FeedRate, 20_000.0) }
 }
 
 /// Label of a strategy.

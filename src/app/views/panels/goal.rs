@@ -4,6 +4,7 @@ use egui::Ui;
 
 use super::fields::{self, ChoiceSpec, FieldSpec};
 use crate::app::model::known_goals::KnownGoals;
+use crate::app::model::number::Quantity;
 use crate::setup::{Goal, SemiFinishing, Tool};
 
 /// What a plan of `minimal` is for, without its limit.
@@ -52,7 +53,7 @@ const GOAL: ChoiceSpec<GoalKind> = ChoiceSpec {
     meaning: GoalKind::tip,
 };
 const MAX_TIME: FieldSpec = FieldSpec {
-    unit: " min",
+    quantity: Quantity::Duration,
     speed: 0.5,
     decimals: 1,
     ..FieldSpec::mm(
@@ -122,7 +123,7 @@ const FINISHING_KIND: ChoiceSpec<FinishingKind> = ChoiceSpec {
     meaning: FinishingKind::tip,
 };
 const FINISH_RATE: FieldSpec = FieldSpec {
-    unit: " mm³/min",
+    quantity: Quantity::RemovalRate,
     speed: 20.0,
     decimals: 0,
     ..FieldSpec::mm(
@@ -141,7 +142,7 @@ const FINISH_DEPTH: FieldSpec = FieldSpec::mm(
     100.0,
 );
 const FINISH_PASS_TIME: FieldSpec = FieldSpec {
-    unit: " min",
+    quantity: Quantity::Duration,
     speed: 0.5,
     decimals: 1,
     ..FieldSpec::mm(

@@ -26,7 +26,7 @@ use crate::app::views::units;
 const S: FieldSpec = FieldSpec {
     label: "s",
     tip: "Fraction of meridional arc length: 0 at the leading edge (LE), 1 at the rim (OD)",
-    unit: "",
+    quantity: Quantity::Plain,
     min: 0.0,
     max: 1.0,
     speed: 0.005,
