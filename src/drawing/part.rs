@@ -29,6 +29,13 @@ struct Detail {
     tolerance: f32,
 }
 
+impl Detail {
+    /// Stations of hub and floor from the leading edge to the rim, as s.
+    fn stations(&self) -> Vec<f64> {
+        even_steps(self.meridian.next_power_of_two())
+    }
+}
+
 /// s ahead of the leading edge up to which the hub is drawn in even steps.
 const EVEN_AHEAD: f64 = 0.12;
 /// Steps of the hub further ahead, before they are thinned.
@@ -118,7 +125,11 @@ fn hub_range(hub: &Flowpath, detail: &Detail) -> Vec<f64> {
         range = thin_parameters(&fine, along, detail.tolerance * hub.length() as f32);
         range.pop();
     }
-    range.extend(even_steps(detail.meridian).iter().map(|t| near + (1.0 - near) * t));
+    // The floor lies on the hub: with other stations than its own one would come through the other.
+    let stations = detail.stations();
+    let ahead = (-near * (stations.len() - 1) as f64).ceil() as usize;
+    range.extend((0..ahead).map(|k| near * (1.0 - k as f64 / ahead as f64)));
+    range.extend(stations);
     range
 }
 
@@ -193,7 +204,7 @@ impl WallAngles {
     fn floor_mesh(&self, hub: &Flowpath, columns: usize, detail: &Detail) -> Mesh {
         let lambdas = even_steps(columns);
         let mut mesh = Mesh::default();
-        let stations = even_steps(detail.meridian.next_power_of_two());
+        let stations = detail.stations();
         for &s in &stations {
             let (p, n) = (hub.point(s), hub.normal(s));
             for &lambda in &lambdas {
@@ -289,12 +300,26 @@ mod tests {
     }
 
     #[test]
+    fn the_floor_lies_on_rings_of_the_hub() {
+        let part = with_boss();
+        for mesh in [part_mesh(&part), draft_part_mesh(&part)] {
+            let place = |v: &Vertex| (v.position[0].hypot(v.position[1]), v.position[2]);
+            let rings: Vec<(f32, f32)> = mesh.hub.vertices.iter().map(place).collect();
+            for (r, z) in mesh.floor.vertices.chunks(mesh.floor_columns).map(|line| place(&line[0])) {
+                let near = |ring: &(f32, f32)| (ring.0 - r).hypot(ring.1 - z) < 1e-3;
+                assert!(rings.iter().any(near), "no ring of the hub at r = {r}, z = {z} mm");
+            }
+        }
+    }
+
+    #[test]
     fn the_hub_is_drawn_and_met_to_its_end() {
         let part = with_boss();
         for mesh in [part_mesh(&part), draft_part_mesh(&part)] {
             let end = mesh.hub.vertices.iter().map(|v| v.position[2]).fold(f32::NEG_INFINITY, f32::max);
             assert!((end - 100.0).abs() < 1e-3, "drawn up to z = {end}");
-            assert!(mesh.hub.vertices.len() < 20_000, "{} corners", mesh.hub.vertices.len());
+            // The nose before it is thinned would have 96,000 alone.
+            assert!(mesh.hub.vertices.len() < 25_000, "{} corners", mesh.hub.vertices.len());
         }
         let blank = Blank::from_part(&part, 0.0);
         let (_, high) = TurnedOutline::of_blank(&part, &blank).bounds();
