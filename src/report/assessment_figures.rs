@@ -1,4 +1,4 @@
-//! The figures of an assessment as HTML tables.
+//! The figures of an assessment, and how they stand in its page as HTML tables.
 
 use super::html::escaped;
 use crate::assess::reach::ReachSides;
@@ -36,25 +36,66 @@ fn passages(assessment: &Assessment) -> String {
     table("Passages", &rows.concat())
 }
 
-/// A figure of a blade: its name and its text.
-type BladeRow = (&'static str, fn(&BladeMeasure) -> String);
+/// The size of a figure of a blade; NaN where it could not be measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BladeSize {
+    /// An angle, rad.
+    AngleRad(f64),
+    /// A length, mm.
+    LengthMm(f64),
+}
 
-const BLADE_FIGURES: [BladeRow; 5] = [
-    ("Twist, greatest angle between chords of the camber line and the rotation axis, °", |blade| {
-        number(blade.twisting().to_degrees(), 1)
-    }),
-    ("Turn of the normal from hub to tip, °", |blade| number(blade.shape.normal_turn_rad.to_degrees(), 1)),
-    ("Bow between hub and tip, mm", |blade| number(blade.shape.bow.offset, 3)),
-    ("Sharpest bow, °", |blade| number(blade.shape.sharpest_bow.angle_rad.to_degrees(), 2)),
-    ("Gap between the wall and its ruled envelope, mm", |blade| number(blade.envelope_gap(), 3)),
+/// A figure by which a blade is assessed.
+#[derive(Clone, Copy, Debug)]
+pub struct BladeFigure {
+    /// Its name.
+    pub name: &'static str,
+    /// What it measures.
+    pub meaning: &'static str,
+    /// Its size for a blade.
+    pub size: fn(&BladeMeasure) -> BladeSize,
+}
+
+/// The figures of each blade, for the page and for the window.
+pub const BLADE_FIGURES: [BladeFigure; 5] = [
+    BladeFigure {
+        name: "Twist",
+        meaning: "Greatest angle between the chords of the camber line and the axis of rotation, span by span",
+        size: |blade| BladeSize::AngleRad(blade.twisting()),
+    },
+    BladeFigure {
+        name: "Turn",
+        meaning: "How far the blade's normal turns from hub to tip; about 0 for cylindrical blades",
+        size: |blade| BladeSize::AngleRad(blade.shape.normal_turn_rad),
+    },
+    BladeFigure {
+        name: "Bow",
+        meaning: "Distance of the middle of the span from the straight line between hub and tip",
+        size: |blade| BladeSize::LengthMm(blade.shape.bow.offset),
+    },
+    BladeFigure {
+        name: "Sharpest bow",
+        meaning: "Greatest angle by which a line from hub to tip bends in its middle",
+        size: |blade| BladeSize::AngleRad(blade.shape.sharpest_bow.angle_rad),
+    },
+    BladeFigure {
+        name: "Envelope gap",
+        meaning: "Gap between the wall and its ruled envelope: what a flank of a cutter cannot follow",
+        size: |blade| BladeSize::LengthMm(blade.envelope_gap()),
+    },
 ];
 
 /// A column for each blade: there are fewer of them than figures.
 fn blades(assessment: &Assessment) -> String {
     let names = assessment.blades.iter().map(|blade| escaped(&blade.name));
     let mut rows = row("th", std::iter::once("Blade".to_owned()).chain(names));
-    for (name, figure) in BLADE_FIGURES {
-        rows += &row("td", std::iter::once(name.to_owned()).chain(assessment.blades.iter().map(figure)));
+    for figure in BLADE_FIGURES {
+        let sizes = assessment.blades.iter().map(|blade| match (figure.size)(blade) {
+            BladeSize::AngleRad(angle) => format!("{}°", number(angle.to_degrees(), 1)),
+            BladeSize::LengthMm(length) => format!("{} mm", number(length, 3)),
+        });
+        let name = format!("{}<br><small>{}</small>", figure.name, escaped(figure.meaning));
+        rows += &row("td", std::iter::once(name).chain(sizes));
     }
     table("Blades", &rows)
 }

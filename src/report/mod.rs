@@ -5,7 +5,7 @@
 #[cfg(feature = "gpu")]
 pub mod assessment;
 #[cfg(feature = "gpu")]
-mod assessment_figures;
+pub mod assessment_figures;
 pub mod chart;
 mod html;
 #[cfg(feature = "gpu")]

@@ -62,7 +62,7 @@ fn the_machinability_is_shown_and_saved_as_the_command_line_has_it() {
     assert!(figures.iter().all(|figure| page.contains(&format!("<td>{figure:.2}</td>"))), "{page}");
     for blade in &measured.assessment.blades {
         let twist = blade.twisting().to_degrees();
-        assert!(page.contains(&blade.name) && page.contains(&format!("<td>{twist:.1}</td>")), "{page}");
+        assert!(page.contains(&blade.name) && page.contains(&format!("<td>{twist:.1}°</td>")), "{page}");
     }
     let map = measured.assessment.reach.as_ref().expect("measured");
     assert!(page.contains(&format!("<td>{:.1}</td>", 100.0 * map.share(|sides| sides.any))), "{page}");

@@ -175,13 +175,9 @@ fn a_question_follows_the_plan_that_is_calculated_meanwhile() {
     let place = window.get_by_label("Export anyway").rect();
 
     slow.store(false, Ordering::SeqCst);
-    for _ in 0..1000 {
-        window.step();
-        if window.query_by_label_contains("calculated anew while this was asked").is_some() {
-            break;
-        }
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    wait_until(&mut window, |window| {
+        window.query_by_label_contains("calculated anew while this was asked").is_some()
+    });
     assert!(window.query_by_label_contains("The setup was edited").is_none(), "it is the plan of that setup");
     window.get_by_label_contains("stopped at its limit of iterations");
     let export = window.get_by_label("Export anyway");

@@ -7,10 +7,10 @@ use crate::app::model::units::DisplayUnits;
 use crate::app::views::chart;
 use crate::app::views::command::Command;
 use crate::app::views::units;
-use crate::assess::BladeMeasure;
 use crate::assess::reach::ReachSides;
 use crate::job::assess::AssessedPart;
 use crate::report::assessment::assessment_charts;
+use crate::report::assessment_figures::{BLADE_FIGURES, BladeSize};
 
 impl App {
     /// The machinability of the part.
@@ -60,6 +60,13 @@ fn shown_length(value: f64, units: DisplayUnits) -> String {
     if value.is_finite() { units.length(value, 2) } else { "–".to_owned() }
 }
 
+fn size_text(size: BladeSize, units: DisplayUnits) -> String {
+    match size {
+        BladeSize::AngleRad(angle) => format!("{:.1}°", angle.to_degrees()),
+        BladeSize::LengthMm(length) => units.length(length, 3),
+    }
+}
+
 /// Passages, then blade by blade.
 fn figures(ui: &mut Ui, assessed: &AssessedPart) {
     let measured = &assessed.assessment;
@@ -90,10 +97,10 @@ fn figures(ui: &mut Ui, assessed: &AssessedPart) {
                 ui.label(RichText::new(&blade.name).strong());
             }
             ui.end_row();
-            for (name, tip, figure) in BLADE_FIGURES {
-                ui.label(name).on_hover_text(tip);
+            for figure in BLADE_FIGURES {
+                ui.label(figure.name).on_hover_text(figure.meaning);
                 for blade in &measured.blades {
-                    ui.label(figure(blade, units));
+                    ui.label(size_text((figure.size)(blade), units));
                 }
                 ui.end_row();
             }
@@ -105,30 +112,6 @@ const CUTTER_TIP: &str =
     "Diameter of the largest cutter that fits everywhere along the channel, down to the hub";
 const WIDTH_TIP: &str = "Distance between the walls of a passage: the least and the greatest";
 const DEPTH_TIP: &str = "Distance from shroud to hub";
-/// A figure of a blade: its name, what it is, and its text.
-type BladeFigure = (&'static str, &'static str, fn(&BladeMeasure, DisplayUnits) -> String);
-const BLADE_FIGURES: [BladeFigure; 4] = [
-    (
-        "Twist",
-        "Greatest angle between the chords of the camber line and the axis of rotation, span by span",
-        |blade, _| format!("{:.1}°", blade.twisting().to_degrees()),
-    ),
-    (
-        "Turn",
-        "How far the blade's normal turns from hub to tip; about 0 for cylindrical blades",
-        |blade, _| format!("{:.1}°", blade.shape.normal_turn_rad.to_degrees()),
-    ),
-    (
-        "Bow",
-        "Distance of the middle of the span from the straight line between hub and tip",
-        |blade, units| units.length(blade.shape.bow.offset, 3),
-    ),
-    (
-        "Envelope gap",
-        "Gap between the wall and its ruled envelope: what a flank of a cutter cannot follow",
-        |blade, units| units.length(blade.envelope_gap(), 3),
-    ),
-];
 
 /// What the tools reach of the floor, section by section.
 fn reach(ui: &mut Ui, assessed: &AssessedPart) {
