@@ -173,7 +173,7 @@ fn range_of(table: &TomlTable<'_>, key: &str, largest: f64) -> Result<Option<(f6
         _ => Err(table
             .fault_at(
                 at,
-                format!("`{key}` is not a lower and a higher number"),
+                format!("`{key}` are not two numbers, the lower one first"),
                 format!("give [low, high] within ±{largest}"),
             )
             .with_code(ErrorCode::ValueType)),
@@ -365,7 +365,7 @@ mod tests {
             ("inlet = \"up\"", "inlet = 3", "not a text"),
             ("dir = [0, 0, -1]", "dir = [0, 0, -2]", "not a unit vector"),
             ("dir = [-1, 0, 0]", "dir = [0, 0, 1]", "parallel"),
-            ("limits = [-120, 120]", "limits = [120, -120]", "not a lower and a higher number"),
+            ("limits = [-120, 120]", "limits = [120, -120]", "not two numbers, the lower one first"),
         ] {
             let changed = text.replacen(from, to, 1);
             assert_ne!(changed, text, "{from}");

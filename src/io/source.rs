@@ -145,8 +145,8 @@ pub fn number(token: &str) -> Result<f64, NumberFault> {
     match token.parse::<f64>() {
         Err(_) => fault("not a number", FINITE, None),
         Ok(x) if !x.is_finite() => fault("not a finite number", FINITE, None),
-        Ok(x) if x > MAX_COORDINATE => fault("larger than 1,000,000", WITHIN, Some(x)),
-        Ok(x) if x < -MAX_COORDINATE => fault("less than -1,000,000", WITHIN, Some(x)),
+        Ok(x) if x > MAX_COORDINATE => fault("too large", WITHIN, Some(x)),
+        Ok(x) if x < -MAX_COORDINATE => fault("too small", WITHIN, Some(x)),
         Ok(x) => Ok(x),
     }
 }
@@ -295,7 +295,7 @@ mod tests {
             assert!(number(bad).is_err(), "{bad} must be refused");
         }
         let fault = number("-1e7").expect_err("is refused");
-        assert_eq!(fault.message, "`-1e7` is less than -1,000,000");
+        assert_eq!(fault.message, "`-1e7` is too small");
         assert_eq!((fault.help, fault.value), (WITHIN, Some(-1e7)), "it is a finite number");
         assert_eq!(number("inf").expect_err("is refused").help, FINITE);
     }

@@ -260,7 +260,9 @@ fn fault_reason(kind: FaultKind) -> Option<UncutReason> {
         FaultKind::BladeAllowance => UncutReason::new("the cutter would come too near to a blade"),
         FaultKind::ShankCollision => UncutReason::shank("the shank would come too near to the part"),
         FaultKind::HolderCollision => UncutReason::holder("the holder would meet a blade or the hub"),
-        FaultKind::HolderInStock => UncutReason::holder("the holder would meet uncut stock"),
+        FaultKind::HolderInStock => {
+            UncutReason::holder("the holder would meet stock that other passes leave")
+        }
         FaultKind::RapidClearance | FaultKind::RapidInStock | FaultKind::ToolInBlank => {
             UncutReason::new("no rapid above the blank reaches it")
         }

@@ -124,7 +124,7 @@ fn unsaved_changes_of_another_part_are_named_once() {
     let mut second = window_with_project(&engine, &home, &other);
     let said = "A session that ended without closing has left unsaved changes: wheel, ";
     second.get_by_label_contains(said);
-    second.get_by_label_contains("choose File > New to recover or discard them");
+    second.get_by_label_contains("Choose File > New to recover or discard them");
     second.get_by_label("Dismiss").click();
     second.run_steps(3);
     second.state_mut().open_path(other.clone());

@@ -31,7 +31,7 @@ use crate::setup::SetupFault;
 use crate::study::StudyResults;
 
 /// Where options of a part's file are given that its notes ask for.
-const IN_ROLES_DIALOG: &str = "give it in File, Assign surfaces…";
+const IN_ROLES_DIALOG: &str = "If that is wrong: give it in File, Assign surfaces…";
 
 impl App {
     /// Opens a project, setup or part file in the background.

@@ -114,7 +114,7 @@ impl App {
         if !titles.is_empty() {
             let titles = titles.join("; ");
             let what = format!("A session that ended without closing has left unsaved changes: {titles}");
-            self.state.report_problem(Problem::note(what, "choose File > New to recover or discard them"));
+            self.state.report_problem(Problem::note(what, "Choose File > New to recover or discard them"));
         }
     }
 

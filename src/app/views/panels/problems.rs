@@ -47,7 +47,7 @@ fn texts(ui: &mut Ui, problem: &Problem) {
     if !problem.help.is_empty() {
         let help = without_markdown(&problem.help);
         let text = match problem.is_note() {
-            true => RichText::new(format!("If that is wrong: {help}")).weak(),
+            true => RichText::new(help).weak(),
             false => RichText::new(format!("Fix: {help}")).strong(),
         };
         ui.add(Label::new(text).wrap());
