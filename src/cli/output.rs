@@ -425,8 +425,9 @@ pub fn notes_text(notes: &[String]) -> String {
 /// Text on the convergence of the planning loop.
 pub fn convergence_text(plan: &PlungePlan) -> String {
     format!(
-        "{} iterations, {}\n",
+        "{} {}, {}\n",
         plan.iterations,
+        if plan.iterations == 1 { "iteration" } else { "iterations" },
         if plan.converged { "converged" } else { "NOT converged" }
     )
 }

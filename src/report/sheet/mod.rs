@@ -15,6 +15,7 @@ use crate::machine::{MachineTool, SectionTime};
 use crate::part::Workpiece;
 use crate::plunge::channels::count_tool_loads;
 use crate::plunge::{DropReason, UnappliedEdit};
+use crate::setup::cutting_data::cutting_speed_at;
 use crate::setup::{PlungePose, SectionKind, Setup, Tool};
 use crate::toolpath::TOOL_CHANGE_S;
 use crate::verify::PlungeReport;
@@ -261,7 +262,10 @@ fn tools_text(input: &SheetInput) -> String {
             continue;
         }
         seen.push(tool.number);
-        text += &tool_card(tool, &format!("plunge {} mm/min", tool.plunge_feed));
+        let per_tooth = |teeth| tool.plunge_feed / (f64::from(teeth) * tool.spindle);
+        let tooth =
+            tool.assembly.teeth.map(|teeth| format!(", {:.3} mm per tooth of {teeth}", per_tooth(teeth)));
+        text += &tool_card(tool, &format!("plunge {} mm/min{}", tool.plunge_feed, tooth.unwrap_or_default()));
     }
     text
 }
@@ -273,7 +277,7 @@ fn tool_card(tool: &Tool, feed_rates: &str) -> String {
     let diameter_offset = rest.diameter_offset.map_or(String::new(), |number| format!(", D{number}"));
     format!(
         "<div class=\"tool\">{}<br><b>T{}</b> {}<br>⌀{} R{} mm, insert width {} mm<br>overhang {} mm<br>\
-         {} rev/min, {feed_rates}<br>offset H{length_offset}{diameter_offset}</div>\n",
+         {} rev/min, {:.0} m/min, {feed_rates}<br>offset H{length_offset}{diameter_offset}</div>\n",
         drawing::tool_svg(tool),
         tool.number,
         rest.name.as_deref().map_or(String::new(), escaped),
@@ -282,6 +286,7 @@ fn tool_card(tool: &Tool, feed_rates: &str) -> String {
         tool.insert_width,
         tool.overhang,
         tool.spindle,
+        cutting_speed_at(tool.spindle, tool.diameter),
     )
 }
 

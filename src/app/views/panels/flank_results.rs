@@ -239,7 +239,7 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
         ui.label(format!("{lost} of passes are skipped:"));
         skipped(ui, &plan.uncut, units);
         if let Some(note) = overhang_note(&plan.tool, &plan.uncut, &outcome.workpiece.part) {
-            ui.label(note);
+            ui.label(as_sentence(note));
         }
     }
 }
