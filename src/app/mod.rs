@@ -20,6 +20,7 @@ pub mod run;
 pub mod tasks;
 pub mod views;
 
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -31,6 +32,7 @@ pub use run::{AppError, run};
 use control::export::{PostponedExport, ReleaseQuestion};
 use control::handover::RecoverySlot;
 use control::project::Session;
+use control::replaced::check_replaced;
 use control::unsaved::Pending;
 use control::windows::is_typing;
 use model::look::{Look, Operation};
@@ -457,7 +459,8 @@ impl eframe::App for App {
             false => self.picture(ui),
         });
         let middle = middle.response.rect;
-        if let Some((purpose, path)) = self.dialogs.show(ui) {
+        let check = |purpose, path: &Path| check_replaced(&self.state, purpose, path);
+        if let Some((purpose, path)) = self.dialogs.show(ui, &check) {
             self.file_chosen(ui.ctx(), purpose, path);
         }
         let mut palette = std::mem::take(&mut self.palette);

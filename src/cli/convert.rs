@@ -12,6 +12,7 @@ use crate::io::flank_file::{StoredFlank, is_flank, read_flank_bytes};
 use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
 use crate::io::native::write_native;
 use crate::io::plan_file::{StoredPlan, read_plan_bytes};
+use crate::io::replaced::check_is_no_input;
 use crate::io::shop_tools::{
     LibraryFormat, MergedLibrary, fusion_for, looks_like_library, read_library, toml_for,
 };
@@ -59,9 +60,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
         return Err(Failure::input(ErrorCode::Arguments, "out of range", "give 0.0001 to 10 mm").at(option));
     }
     let content = read(&args.input, &args.mesh)?;
-    if same_file(&args.input, &args.output) {
-        return Err(is_the_input(&args.output));
-    }
+    check_is_no_input(&args.output, &[&args.input])?;
     let (description, part) = match &content {
         InputContent::Part(part) => (&part.0, &part.1),
         InputContent::Plan(plan) => (&plan.description, &plan.part),
@@ -121,9 +120,7 @@ fn convert_library(args: &ConvertArgs, format: LibraryFormat) -> Result<(), Fail
         return Err(Failure::input(ErrorCode::FileFormat, what, "name such a file").at_path(&args.output));
     }
     let mut library = read_library(&args.input, format)?;
-    if same_file(&args.input, &args.output) {
-        return Err(is_the_input(&args.output));
-    }
+    check_is_no_input(&args.output, &[&args.input])?;
     let count = library.tools.len();
     let tools = if count == 1 { "tool" } else { "tools" };
     let mut text = format!("wrote {}: {count} {tools}\n", args.output.display());
@@ -174,13 +171,6 @@ fn read(path: &Path, mesh: &MeshArgs) -> Result<InputContent, Failure> {
         return Ok(InputContent::Flank(Box::new(read_flank_bytes(&name, &bytes)?)));
     }
     Ok(InputContent::Plan(Box::new(read_plan_bytes(&name, &bytes)?)))
-}
-
-fn same_file(a: &Path, b: &Path) -> bool {
-    match (a.canonicalize(), b.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => false,
-    }
 }
 
 /// Scene of a plan. The residual stock is recomputed, as by `vanecut render`.
@@ -264,10 +254,4 @@ fn sides_note(part: &Impeller) -> String {
          --rotation {} its sides keep their names\n",
         rotation.name()
     )
-}
-
-/// The failure of an output that is the input.
-fn is_the_input(path: &Path) -> Failure {
-    let what = "is the input file";
-    Failure::input(ErrorCode::FileNotWritten, what, "name another file to write").at_path(path)
 }

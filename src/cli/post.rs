@@ -1,5 +1,7 @@
 //! `vanecut post`.
 
+use std::path::Path;
+
 use serde_json::{Map, Value, json};
 
 use super::args::PostArgs;
@@ -12,6 +14,7 @@ use crate::io::flank_file::{is_flank, read_flank_bytes};
 use crate::io::machine_file::read_machine;
 use crate::io::nc::read_post;
 use crate::io::plan_file::read_plan_bytes;
+use crate::io::replaced::check_is_no_input;
 use crate::io::setup_file::read_setup;
 use crate::io::write_atomically;
 use crate::job::post::{PostFault, PostRequest, PostedProgram, post_program};
@@ -51,6 +54,9 @@ impl PostSource {
 /// [`Failure::input`] when an input is invalid, [`Failure::work`] when the machine cannot run the program.
 pub fn run(args: &PostArgs) -> Result<(), Failure> {
     let started = std::time::Instant::now();
+    let control = args.control.as_deref().map_or(Path::new(""), Path::new);
+    let setup = args.setup.as_deref().unwrap_or(Path::new(""));
+    check_is_no_input(&args.file, &[&args.program, &args.machine, control, setup])?;
     let machine = read_machine(&args.machine)?;
     let mut post = read_post(args.control.as_deref().unwrap_or(&machine.control))?;
     if args.subprogram {

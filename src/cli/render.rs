@@ -11,6 +11,7 @@ use crate::gpu::image::draw_png;
 use crate::gpu::{CutterFilter, FloorColours, Gpu, GpuError, Renderer, SceneOptions, Theme, View};
 use crate::io::flank_file::{is_flank, read_flank_bytes};
 use crate::io::plan_file::read_plan_bytes;
+use crate::io::replaced::check_is_no_input;
 use crate::io::source::{name_of, read_bytes};
 use crate::io::write::write_atomically;
 use crate::job::FIELD_CELLS;
@@ -33,6 +34,7 @@ impl From<GpuError> for Failure {
 /// [`Failure::input`] when an argument or the input is invalid or the file cannot be written,
 /// [`Failure::work`] when drawing fails.
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
+    check_is_no_input(&args.output, &[&args.source])?;
     let size = parse_size(&args.size)?;
     let view: View = args.view.parse().map_err(|error: UserError| Failure::from(error).at("--view"))?;
     let is_plan = args.source.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));

@@ -1,6 +1,6 @@
 //! `vanecut stock`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde_json::{Map, Value, json};
@@ -16,6 +16,7 @@ use crate::io::blank_file::{is_stl, read_blank};
 use crate::io::flank_file::{is_flank, read_flank_bytes};
 use crate::io::gltf::GltfScene;
 use crate::io::plan_file::read_plan_bytes;
+use crate::io::replaced::check_is_no_input;
 use crate::io::stl::write_stl;
 use crate::io::write_atomically;
 use crate::monitor::Monitor;
@@ -40,6 +41,9 @@ enum StockFormat {
 pub fn run(args: &StockArgs) -> Result<(), Failure> {
     let started = Instant::now();
     let format = format_of(&args.output)?;
+    let files = [Some(&args.part), Some(&args.program), args.setup.as_ref(), args.blank.as_ref()];
+    let inputs: Vec<&Path> = files.into_iter().flatten().map(PathBuf::as_path).collect();
+    check_is_no_input(&args.output, &inputs)?;
     let (_, part) = open::part(&args.part, &args.mesh)?;
     if args.program == Path::new("-") && args.setup.as_deref() == Some(Path::new("-")) {
         return Err(open::both_from_standard_input());

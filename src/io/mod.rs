@@ -20,6 +20,7 @@ pub mod plan_file;
 pub mod plan_inputs;
 pub mod program_file;
 pub mod project_file;
+pub mod replaced;
 pub mod setup_file;
 pub(crate) mod sha256;
 pub mod shop_tools;

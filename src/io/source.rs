@@ -3,7 +3,7 @@
 
 use std::borrow::Cow;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::InputError;
 use crate::error::ErrorCode;
@@ -168,6 +168,17 @@ pub fn quote_for_message(token: &str) -> String {
         text.push('…');
     }
     format!("`{text}`")
+}
+
+/// Whether two paths name one file.
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
+    one_name_of(a) == one_name_of(b)
+}
+
+/// The name of a file that is the same by whatever way it is opened.
+pub(crate) fn one_name_of(path: &Path) -> PathBuf {
+    let file = std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
+    file.unwrap_or_else(|_| path.to_owned())
 }
 
 /// Name of a path in messages.

@@ -437,3 +437,50 @@ fn what_is_typed_behind_the_shortcut_of_a_dialog_is_no_shortcut() {
     window.get_by_label("Export CL (APT)");
     assert_eq!(window.state().state().look.side, Side::After);
 }
+
+/// What a part is made of is nowhere else: no question is enough to replace it by a file made of it.
+#[test]
+fn neither_what_is_open_nor_a_file_of_another_kind_is_replaced() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let (part, library, setup) = (path("pump6.toml"), path("tools.toml"), path("setup.toml"));
+    std::fs::write(&part, include_str!("../../assets/parts/pump6.toml")).expect("written");
+    std::fs::write(&library, "[[tool]]\nnumber = 1\ndiameter = 10\n").expect("written");
+    std::fs::write(&setup, "[plunge]\nstep = 2\n").expect("written");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.state_mut().open_path(part.clone());
+    settle(&mut window);
+    window.state_mut().use_own_file_dialogs();
+    let refusals = [
+        (&part, "Is the part that is open: name another file to write"),
+        (&library, "Already exists and is not a setup: name another file to write"),
+    ];
+    for (file, reason) in refusals {
+        let before = std::fs::read(file).expect("reads");
+        choose_in_file_menu(&mut window, "Save setup…");
+        name_file(&mut window, file);
+        press_enter(&mut window);
+        window.get_by_label(reason);
+        assert!(window.query_by_label("Replace").is_none(), "it is not asked about");
+        name_file(&mut window, &setup);
+        assert!(window.query_by_label(reason).is_none(), "another name is another matter");
+        window.key_press(egui::Key::Escape);
+        window.run_steps(3);
+        // The dialog of the system has asked whether to replace it.
+        let ctx = window.ctx.clone();
+        window.state_mut().file_chosen(&ctx, Purpose::SaveSetup, file.clone());
+        settle(&mut window);
+        window.get_by_label_contains("name another file to write");
+        window.get_by_label("Dismiss").click();
+        window.run_steps(3);
+        assert!(std::fs::read(file).expect("reads") == before, "{} is as it was", file.display());
+    }
+    choose_in_file_menu(&mut window, "Save setup…");
+    name_file(&mut window, &setup);
+    press_enter(&mut window);
+    window.get_by_label("Replace").click();
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(std::fs::read_to_string(&setup).expect("reads").contains("version = "), "a setup is replaced");
+}

@@ -453,7 +453,7 @@ impl App {
     }
 
     pub(in crate::app) fn write(&mut self, task: WriteTask) {
-        let kind = task.kind();
+        let kind = task.purpose().kind();
         self.state.notice = None;
         if self.work.write(task) {
             self.state.report_done(format!("The {kind} waits for the export that is being checked"));

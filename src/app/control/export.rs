@@ -6,6 +6,7 @@ use std::sync::{Arc, Weak};
 use egui::Ui;
 
 use super::background::panic_problem;
+use super::replaced::check_replaced;
 use crate::app::App;
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::{Arrangement, DEFAULT_MACHINE, Operation};
@@ -16,13 +17,13 @@ use crate::app::model::release::{concerns, fault_lines, faulty_values};
 use crate::app::model::results::Results;
 use crate::app::model::state::ShownPlan;
 use crate::app::tasks::documents::SheetTask;
-use crate::app::tasks::files::{SceneTask, WriteError, WriteTask, Written};
+use crate::app::tasks::files::{SceneTask, Unwritten, WriteError, WriteTask, Written};
 use crate::app::tasks::programs::{FlankSource, NcTask, OnFaults, PlungeSource, ProgramSource};
 use crate::app::views::command::Command;
 use crate::app::views::nc_dialog::{NcAnswer, NcQuestion, TargetChoice};
 use crate::app::views::picture_dialog::ExportSettings;
 use crate::app::views::release::{self, Recalculation, ReleaseAnswer, ReleaseWords, Renewal};
-use crate::io::shop_tools::{check_replaced_library, is_fusion_library, missing_in_fusion};
+use crate::io::shop_tools::{is_fusion_library, missing_in_fusion};
 use crate::job::flank::FlankOutcome;
 use crate::job::worker::Outcome;
 use crate::setup::Setup;
@@ -81,13 +82,11 @@ pub(in crate::app) struct PostponedExport {
 impl App {
     /// Writes the chosen file; a program with something against it is asked about first.
     pub fn file_chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf) {
+        if let Err(error) = check_replaced(&self.state, purpose, &path) {
+            return self.state.report_problem(Problem::of_writing(purpose, &error));
+        }
         let concerns = match purpose {
-            Purpose::SaveLibrary => {
-                if let Err(error) = check_replaced_library(&path) {
-                    return self.state.report_problem(Problem::of_writing(WriteTask::LIBRARY, &error));
-                }
-                self.library_losses(&path)
-            }
+            Purpose::SaveLibrary => self.library_losses(&path),
             _ => concerns(&self.state, purpose, self.channels_of(purpose)),
         };
         if concerns.is_empty() {
@@ -179,12 +178,12 @@ impl App {
     }
 
     /// Handles the end of a file that was to be written.
-    pub(super) fn take_written(&mut self, ctx: &egui::Context, end: Outcome<Written, WriteError>) {
+    pub(super) fn take_written(&mut self, ctx: &egui::Context, end: Outcome<Written, Unwritten>) {
         match end {
             Outcome::Done(written) => {
-                self.state.solve(Topic::Writing(written.kind));
+                self.state.solve(Topic::Writing(written.purpose.kind()));
                 self.state.report_done(written.text);
-                self.dialogs.note_folder(written.place, &written.file);
+                self.dialogs.note_folder(written.purpose.place(), &written.file);
                 if let Some((plan, file)) = written.program {
                     self.state.results.exported.note(plan, file);
                 }
@@ -195,23 +194,27 @@ impl App {
                     self.note_saved_library(ctx, path, content);
                 }
             }
-            // The next one, which was chosen since, goes on.
-            Outcome::Cancelled | Outcome::Failed(WriteError::Cancelled) if self.work.judge.is_busy() => {
-                self.state.notice = None;
-            }
-            Outcome::Cancelled | Outcome::Failed(WriteError::Cancelled) => {
-                self.state.report_done("Writing cancelled");
-            }
-            Outcome::Failed(WriteError::Faulty { purpose, path, faults }) => {
-                self.ask_about_faults(purpose, path, &faults);
-            }
-            Outcome::Failed(WriteError::ChangedOnDisk(path)) => self.session.changed_on_disk = Some(path),
-            Outcome::Failed(WriteError::Failed(error, kind)) => {
-                self.state.report_problem(Problem::of_writing(kind, &error));
-            }
+            Outcome::Cancelled => self.note_cancelled_writing(),
+            Outcome::Failed(Unwritten { purpose, error }) => match error {
+                WriteError::Cancelled => self.note_cancelled_writing(),
+                WriteError::Faulty { path, faults } => self.ask_about_faults(purpose, path, &faults),
+                WriteError::ChangedOnDisk(path) => self.session.changed_on_disk = Some(path),
+                WriteError::Failed(error) => {
+                    self.state.report_problem(Problem::of_writing(purpose, &error));
+                }
+            },
             Outcome::Panicked(what) => {
                 self.state.report_problem(panic_problem(Topic::Other, "Writing", &what));
             }
+        }
+    }
+
+    fn note_cancelled_writing(&mut self) {
+        if self.work.judge.is_busy() {
+            // The next one, which was chosen since, goes on.
+            self.state.notice = None;
+        } else {
+            self.state.report_done("Writing cancelled");
         }
     }
 

@@ -10,5 +10,6 @@ pub(in crate::app) mod machine;
 pub(in crate::app) mod pictures;
 pub(in crate::app) mod project;
 pub(in crate::app) mod recovery;
+pub(in crate::app) mod replaced;
 pub(in crate::app) mod unsaved;
 pub(in crate::app) mod windows;

@@ -16,7 +16,7 @@ use crate::app::model::planned::Side;
 use crate::app::model::problem::{Problem, Topic};
 use crate::app::model::state::RecoveryCopy;
 use crate::app::tasks::files::{ProjectTask, WriteTask, WrittenProject};
-use crate::app::tasks::home::{Home, Preferences, is_same_file};
+use crate::app::tasks::home::{Home, Preferences};
 use crate::app::tasks::lock::{HeldLock, LockTry};
 use crate::app::tasks::open_task::OpenTask;
 use crate::app::tasks::project::{project_of, show_view_of};
@@ -26,6 +26,7 @@ use crate::app::views::tour::WindowRegion;
 use crate::app::views::unsaved::UnsavedWork;
 use crate::gpu::camera::{Camera, Projection};
 use crate::io::project_file::{EXTENSION, PlanSelection, Project, write_project};
+use crate::io::source::is_same_file;
 
 /// Number of faults of a project's setups that are shown one by one.
 const MAX_REPORTED_FAULTS: usize = 4;

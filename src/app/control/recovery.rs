@@ -14,10 +14,11 @@ use crate::app::model::file_purpose::FilePlace;
 use crate::app::model::problem::Problem;
 use crate::app::model::shop_library::ShopLibrary;
 use crate::app::model::state::RecoveryCopy;
-use crate::app::tasks::home::{self, LeftLibrary, is_same_file};
+use crate::app::tasks::home::{self, LeftLibrary};
 use crate::app::tasks::project::project_of;
 use crate::app::views::recover::{self, RecoverAnswer};
 use crate::io::project_file::{Project, write_project};
+use crate::io::source::is_same_file;
 use crate::job::worker::Outcome;
 
 /// Least time between two recovery copies: half of the two seconds after which no edit may be lost, as an

@@ -140,6 +140,34 @@ impl Purpose {
         }
     }
 
+    /// What is written: a file of one kind does not make up for one of another. Empty for a file that is
+    /// read.
+    pub fn kind(self) -> &'static str {
+        match self {
+            Self::SaveProject => "project",
+            Self::SaveSetup => "setup",
+            Self::SaveLibrary => "tool library",
+            Self::ExportCl { .. } => "plunge program",
+            Self::ExportFlank { .. } => "flank program",
+            Self::ExportNc { .. } => "NC program",
+            Self::ExportSheet { .. } => "setup sheet",
+            Self::SaveAssessment => "machinability page",
+            Self::ExportScene { .. } => "scene",
+            Self::ExportStock { .. } => "stock",
+            Self::SavePicture => "picture",
+            Self::OpenPart
+            | Self::OpenProject
+            | Self::OpenSetup
+            | Self::OpenBlank
+            | Self::OpenMachine
+            | Self::OpenLibrary
+            | Self::LocatePart
+            | Self::OpenStudy
+            | Self::OpenPost
+            | Self::CheckProgram => "",
+        }
+    }
+
     /// The operation whose plan is written; `None` for other files.
     pub fn planned_operation(self) -> Option<Operation> {
         match self {
@@ -152,20 +180,7 @@ impl Purpose {
 
     /// Whether a file is written.
     pub fn saves(self) -> bool {
-        matches!(
-            self,
-            Self::SaveProject
-                | Self::SaveSetup
-                | Self::SaveLibrary
-                | Self::ExportCl { .. }
-                | Self::ExportFlank { .. }
-                | Self::ExportNc { .. }
-                | Self::ExportSheet { .. }
-                | Self::SaveAssessment
-                | Self::ExportScene { .. }
-                | Self::ExportStock { .. }
-                | Self::SavePicture
-        )
+        !self.kind().is_empty()
     }
 
     /// Whether a file must have one of its endings: one that is written, and a machine file, which shares its

@@ -1,6 +1,7 @@
 //! Problems that are shown until they are dismissed or solved.
 
 use super::field_faults::{FaultyField, FieldFault};
+use super::file_purpose::Purpose;
 use crate::error::ErrorCode;
 use crate::gpu::GpuError;
 use crate::io::InputError;
@@ -70,9 +71,9 @@ impl Problem {
         Self { topic: Topic::Opening, ..Self::from(error) }
     }
 
-    /// A file that was not written, of a kind.
-    pub fn of_writing(kind: &'static str, error: &InputError) -> Self {
-        Self { topic: Topic::Writing(kind), ..Self::from(error) }
+    /// A file that was not written.
+    pub fn of_writing(purpose: Purpose, error: &InputError) -> Self {
+        Self { topic: Topic::Writing(purpose.kind()), ..Self::from(error) }
     }
 
     /// A remark that is not a fault.

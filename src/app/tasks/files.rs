@@ -12,7 +12,7 @@ use crate::io::part_file::{check_part_format, read_part, read_part_bytes, read_p
 use crate::io::part_hash::PartHash;
 use crate::io::plan_inputs::{is_plan_file, read_plan_inputs};
 use crate::io::project_file::EXTENSION;
-use crate::io::setup_file::write_setup_beside;
+use crate::io::setup_file::{looks_like_setup, write_setup_beside};
 use crate::io::shop_tools::{check_replaced_library, fusion_for, write_toml};
 use crate::io::source::read_bytes;
 use crate::io::write::{write_all_atomically, write_atomically};
@@ -109,13 +109,7 @@ pub fn is_setup(path: &Path) -> bool {
         return false;
     }
     let Ok(bytes) = read_bytes(path) else { return false };
-    let text = String::from_utf8_lossy(&bytes);
-    text.lines().any(|line| {
-        let line = line.trim();
-        ["[stock]", "[clearance]", "[[tool]]", "[plunge]", "[[plunge.section]]", "[flank]", "[machine]"]
-            .iter()
-            .any(|t| line.starts_with(t))
-    })
+    looks_like_setup(&bytes)
 }
 
 /// Maximum size of a file that is checked for setup tables, bytes: parsing a large part would block the UI
@@ -183,10 +177,8 @@ pub fn check_openable(path: &Path) -> Result<(), InputError> {
 
 /// Result of a write task.
 pub struct Written {
-    /// What was written; see [`WriteTask::kind`].
-    pub kind: &'static str,
-    /// Where files of this kind lie.
-    pub place: FilePlace,
+    /// What it is for.
+    pub purpose: Purpose,
     /// Its file, the first where there are several.
     pub file: PathBuf,
     /// Message for the status bar.
@@ -231,17 +223,24 @@ impl ProjectTask {
     }
 }
 
+/// A file that was not written.
+#[derive(Debug)]
+pub struct Unwritten {
+    /// What it is for.
+    pub purpose: Purpose,
+    /// Why.
+    pub error: WriteError,
+}
+
 /// Why a file was not written.
 #[derive(Debug)]
 pub enum WriteError {
     /// The project's file was written by another window or program; see [`ProjectTask::known`].
     ChangedOnDisk(PathBuf),
-    /// It cannot be written; see [`WriteTask::kind`].
-    Failed(InputError, &'static str),
+    /// It cannot be written.
+    Failed(InputError),
     /// A program of several channels has faults, which are asked about first.
     Faulty {
-        /// What the file is for.
-        purpose: Purpose,
         /// The file.
         path: PathBuf,
         /// The faults.
@@ -253,10 +252,10 @@ pub enum WriteError {
 
 impl WriteError {
     /// Of a program for the file `path`.
-    fn of_program(unwritten: UnwrittenProgram, purpose: Purpose, path: &Path) -> Self {
+    fn of_program(unwritten: UnwrittenProgram, path: &Path) -> Self {
         match unwritten {
             UnwrittenProgram::Cancelled => Self::Cancelled,
-            UnwrittenProgram::Faulty(faults) => Self::Faulty { purpose, path: path.to_owned(), faults },
+            UnwrittenProgram::Faulty(faults) => Self::Faulty { path: path.to_owned(), faults },
             UnwrittenProgram::Failed(error) => Self::from(error),
         }
     }
@@ -264,7 +263,7 @@ impl WriteError {
 
 impl From<InputError> for WriteError {
     fn from(error: InputError) -> Self {
-        Self::Failed(error, "")
+        Self::Failed(error)
     }
 }
 
@@ -310,33 +309,22 @@ pub enum WriteTask {
 }
 
 impl WriteTask {
-    /// [`Self::kind`] of a tool library.
-    pub const LIBRARY: &str = "tool library";
-
-    /// What is written: a file of one kind does not make up for one of another.
-    pub fn kind(&self) -> &'static str {
+    /// What its file is for.
+    pub fn purpose(&self) -> Purpose {
         match self {
-            Self::Project(_) => "project",
-            Self::Setup(..) => "setup",
-            Self::Library(..) => Self::LIBRARY,
-            Self::Cl(..) => "plunge program",
-            Self::Nc(..) => "NC program",
-            Self::Flank(..) => "flank program",
-            Self::Scene(..) => "scene",
-            Self::Stock(..) => "stock",
-            Self::Sheet(..) => "setup sheet",
-            Self::Assessment(..) => "machinability page",
-            Self::Picture(..) => "picture",
-        }
-    }
-
-    /// Where its file lies.
-    fn place(&self) -> FilePlace {
-        match self {
-            Self::Project(_) => FilePlace::Part,
-            Self::Setup(..) => FilePlace::Setups,
-            Self::Library(..) => FilePlace::Shop,
-            _ => FilePlace::Work,
+            Self::Project(_) => Purpose::SaveProject,
+            Self::Setup(..) => Purpose::SaveSetup,
+            Self::Library(..) => Purpose::SaveLibrary,
+            Self::Cl(_, source) => Purpose::ExportCl { channels: source.channels },
+            Self::Nc(_, NcTask { source, target }) => {
+                Purpose::ExportNc { operation: source.operation(), dialect: target.dialect }
+            }
+            Self::Flank(_, source) => Purpose::ExportFlank { channels: source.channels },
+            Self::Scene(..) => Purpose::ExportScene { side: None },
+            Self::Stock(..) => Purpose::ExportStock { side: None },
+            Self::Sheet(_, task) => Purpose::ExportSheet { operation: task.source.operation() },
+            Self::Assessment(..) => Purpose::SaveAssessment,
+            Self::Picture(..) => Purpose::SavePicture,
         }
     }
 
@@ -359,17 +347,14 @@ impl WriteTask {
 /// Writes a file atomically.
 ///
 /// # Errors
-/// [`WriteError`] when the file cannot be made or written, is a project that was changed on disk, or a
+/// [`Unwritten`] when the file cannot be made or written, is a project that was changed on disk, or a
 /// program that is asked about first; when `monitor` is cancelled.
-pub fn write(task: &WriteTask, monitor: &Monitor) -> Result<Written, WriteError> {
-    match write_file(task, monitor) {
-        Ok(written) => Ok(Written { kind: task.kind(), place: task.place(), ..written }),
-        Err(WriteError::Failed(error, _)) => Err(WriteError::Failed(error, task.kind())),
-        Err(other) => Err(other),
-    }
+pub fn write(task: &WriteTask, monitor: &Monitor) -> Result<Written, Unwritten> {
+    let purpose = task.purpose();
+    write_file(task, purpose, monitor).map_err(|error| Unwritten { purpose, error })
 }
 
-fn write_file(task: &WriteTask, monitor: &Monitor) -> Result<Written, WriteError> {
+fn write_file(task: &WriteTask, purpose: Purpose, monitor: &Monitor) -> Result<Written, WriteError> {
     // What the message says beside the path.
     let mut about = String::new();
     let (path, bytes) = match task {
@@ -389,36 +374,31 @@ fn write_file(task: &WriteTask, monitor: &Monitor) -> Result<Written, WriteError
             (path, text.into_bytes())
         }
         WriteTask::Cl(path, source) => {
-            let purpose = Purpose::ExportCl { channels: source.channels };
-            let text = plunge_text(source, monitor)
-                .map_err(|unwritten| WriteError::of_program(unwritten, purpose, path))?;
+            let text =
+                plunge_text(source, monitor).map_err(|unwritten| WriteError::of_program(unwritten, path))?;
             (path, text.into_bytes())
         }
         WriteTask::Nc(path, content) => {
-            let operation = content.source.operation();
-            let purpose = Purpose::ExportNc { operation, dialect: content.target.dialect };
             let (text, words) = nc_text(path, content, monitor)
-                .map_err(|unwritten| WriteError::of_program(unwritten, purpose, path))?;
+                .map_err(|unwritten| WriteError::of_program(unwritten, path))?;
             about = words;
             (path, text.into_bytes())
         }
         WriteTask::Flank(path, source) => {
-            let purpose = Purpose::ExportFlank { channels: source.channels };
-            let (text, words) = flank_text(source, monitor)
-                .map_err(|unwritten| WriteError::of_program(unwritten, purpose, path))?;
+            let (text, words) =
+                flank_text(source, monitor).map_err(|unwritten| WriteError::of_program(unwritten, path))?;
             about = words;
             (path, text.into_bytes())
         }
         WriteTask::Scene(path, scene) => (path, scene_bytes(scene)),
         WriteTask::Stock(path, source, moment) => (path, stock_bytes(path, source, *moment)?),
         WriteTask::Sheet(path, task) => {
-            let purpose = Purpose::ExportSheet { operation: task.source.operation() };
-            let page = sheet(path, task, monitor)
-                .map_err(|unwritten| WriteError::of_program(unwritten, purpose, path))?;
-            return Ok(write_document(path, &page)?);
+            let page =
+                sheet(path, task, monitor).map_err(|unwritten| WriteError::of_program(unwritten, path))?;
+            return Ok(write_document(path, purpose, &page)?);
         }
         WriteTask::Assessment(path, assessed) => {
-            return Ok(write_document(path, &assessment(path, assessed)?)?);
+            return Ok(write_document(path, purpose, &assessment(path, assessed)?)?);
         }
         WriteTask::Picture(path, width, height, rgba) => {
             let png = encode_png(*width, *height, rgba).map_err(|error| {
@@ -449,8 +429,7 @@ fn write_file(task: &WriteTask, monitor: &Monitor) -> Result<Written, WriteError
         _ => None,
     };
     Ok(Written {
-        kind: "",
-        place: FilePlace::Work,
+        purpose,
         file: path.clone(),
         text: format!("Wrote {}{about}", path.display()),
         project,
@@ -459,11 +438,10 @@ fn write_file(task: &WriteTask, monitor: &Monitor) -> Result<Written, WriteError
     })
 }
 
-fn write_document(path: &Path, document: &ReportPage) -> Result<Written, InputError> {
+fn write_document(path: &Path, purpose: Purpose, document: &ReportPage) -> Result<Written, InputError> {
     write_all_atomically(&document.files_at(path))?;
     Ok(Written {
-        kind: "",
-        place: FilePlace::Work,
+        purpose,
         file: path.to_owned(),
         text: format!("Wrote {} and its pictures, in mm", path.display()),
         project: None,

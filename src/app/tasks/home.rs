@@ -13,7 +13,7 @@ use crate::io::InputError;
 use crate::io::hash::{FNV_START, fnv1a};
 use crate::io::project_file::{EXTENSION, PartLocation, read_project};
 use crate::io::shop_tools::{LibraryFormat, ToolLibrary, read_library, write_toml};
-use crate::io::source::read_bytes;
+use crate::io::source::{one_name_of, read_bytes};
 use crate::io::write::write_atomically;
 
 use crate::app::model::layout::Layout;
@@ -295,17 +295,6 @@ impl Home {
     fn list(&self) -> PathBuf {
         self.folder.join("recent.json")
     }
-}
-
-/// Whether two paths name one file.
-pub fn is_same_file(a: &Path, b: &Path) -> bool {
-    one_name_of(a) == one_name_of(b)
-}
-
-/// The name of a file that is the same by whatever way it is opened.
-fn one_name_of(path: &Path) -> PathBuf {
-    let file = std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
-    file.unwrap_or_else(|_| path.to_owned())
 }
 
 /// Whether a file is named as recovery copies are: what a user saved among them is none.

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::Repaint;
 use super::check::CheckError;
 use super::engine::{Engine, PlanTask};
-use super::files::{self, WriteError, WriteTask, Written};
+use super::files::{self, Unwritten, WriteTask, Written};
 use super::home::LibraryCopy;
 use super::open_task::OpenTask;
 use super::opening::{Opened, open};
@@ -28,9 +28,9 @@ pub(in crate::app) struct Work {
     pub planner: Worker<PlanTask, DisplayPlan, JobError>,
     pub flanker: Worker<FlankRequest, FlankOutcome, JobError>,
     pub checker: Worker<CheckRequest, CheckedProgram, CheckError>,
-    pub writer: Worker<WriteTask, Written, WriteError>,
+    pub writer: Worker<WriteTask, Written, Unwritten>,
     /// Writes what is checked first; see [`WriteTask::is_checked_first`].
-    pub judge: Worker<WriteTask, Written, WriteError>,
+    pub judge: Worker<WriteTask, Written, Unwritten>,
     /// What waits for that, in turn: a worker knows one request.
     pub to_judge: VecDeque<WriteTask>,
     /// Other files that wait to be written, in turn.
@@ -246,7 +246,7 @@ impl Work {
     }
 
     /// What came of files that were to be written.
-    pub(in crate::app) fn take_written(&mut self) -> Vec<Outcome<Written, WriteError>> {
+    pub(in crate::app) fn take_written(&mut self) -> Vec<Outcome<Written, Unwritten>> {
         let workers = [(&self.judge, &mut self.to_judge), (&self.writer, &mut self.to_write)];
         let ended = workers.into_iter().filter_map(|(worker, waiting)| {
             let (_, outcome) = worker.take_outcome()?;

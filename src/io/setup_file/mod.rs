@@ -49,6 +49,24 @@ pub use tolerant::{SetupEntry, SetupEntryFault, TolerantSetup, read_setup_tolera
 pub(super) use write::{beside, relative};
 pub use write::{locate_machine, write_full_setup, write_setup, write_setup_beside};
 
+/// Whether TOML is a setup rather than a part or a machine, by its tables. A tool library looks like one,
+/// too.
+pub fn looks_like_setup(bytes: &[u8]) -> bool {
+    const TABLES: [&str; 9] = [
+        "[stock]",
+        "[clearance]",
+        "[[tool]]",
+        "[plunge]",
+        "[[plunge.section]]",
+        "[[plunge.edit]]",
+        "[flank]",
+        "[channels]",
+        "[machine]",
+    ];
+    let is_of_setup = |line: &str| TABLES.iter().any(|table| line.starts_with(table));
+    String::from_utf8_lossy(bytes).lines().map(str::trim).any(is_of_setup)
+}
+
 /// Version of the file format, key `version`: 2 since keys were renamed. Newer files are rejected.
 const VERSION: u32 = 2;
 

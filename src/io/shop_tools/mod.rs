@@ -206,7 +206,7 @@ pub fn check_replaced_library(path: &Path) -> Result<(), InputError> {
 }
 
 /// Whether the file at `path` is missing or empty.
-fn is_absent(path: &Path) -> bool {
+pub(super) fn is_absent(path: &Path) -> bool {
     std::fs::metadata(path).map_or(true, |found| found.is_file() && found.len() == 0)
 }
 

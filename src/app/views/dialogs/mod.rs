@@ -13,6 +13,7 @@ use egui::{Context, Event, ImeEvent, Key, Ui};
 
 use crate::app::model::file_purpose::{FilePlace, Purpose};
 use crate::app::views::repaint;
+use crate::io::InputError;
 
 use folders::Folders;
 use prompt::{Prompt, PromptAnswer};
@@ -21,6 +22,9 @@ pub use system::SystemAnswer;
 /// Shows a file dialog, for a purpose, with a proposed name and the folder to start in, and waits for its
 /// answer.
 pub type FileDialog = Arc<dyn Fn(Purpose, &str, Option<&Path>) -> SystemAnswer + Send + Sync>;
+
+/// Why a file must not be replaced, if it must not.
+pub type ReplacedCheck<'a> = dyn Fn(Purpose, &Path) -> Result<(), InputError> + 'a;
 
 /// Answer of the dialog thread, with the number of its request.
 type AnswerSlot = Arc<Mutex<Option<(u64, Purpose, SystemAnswer)>>>;
@@ -157,8 +161,9 @@ impl Dialogs {
         self.prompt = Some(Prompt::new(purpose, name, self.folders.start(purpose), reason));
     }
 
-    /// Draws the window's own dialog if it is open; returns the chosen file once.
-    pub fn show(&mut self, ui: &Ui) -> Option<(Purpose, PathBuf)> {
+    /// Draws the window's own dialog if it is open; returns the chosen file once. `check` refuses files that
+    /// are not to be replaced: the window's own dialog says so before it asks whether to replace them.
+    pub fn show(&mut self, ui: &Ui, check: &ReplacedCheck<'_>) -> Option<(Purpose, PathBuf)> {
         let answer = self.slot.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some((number, purpose, answer)) = answer
             && number == self.requests
@@ -180,7 +185,7 @@ impl Dialogs {
         if !self.typed.is_empty() {
             prompt.begin_with(&std::mem::take(&mut self.typed));
         }
-        match prompt.show(ui, &mut self.listing)? {
+        match prompt.show(ui, &mut self.listing, check)? {
             PromptAnswer::Cancelled => {
                 self.prompt = None;
                 None

@@ -8,7 +8,9 @@ use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
 use egui::{Button, Color32, Event, Key, Modal, Modifiers, RichText, TextEdit, Ui};
 
+use super::ReplacedCheck;
 use crate::app::model::file_purpose::Purpose;
+use crate::app::model::problem::as_sentence;
 use crate::app::tasks::Repaint;
 use crate::app::tasks::latest::Latest;
 use crate::app::views::modal::{self, is_dismissed};
@@ -81,6 +83,8 @@ pub(super) struct Prompt {
     reason: &'static str,
     /// File that exists and may be replaced, while that is asked.
     replacing: Option<PathBuf>,
+    /// File that must not be replaced, and why.
+    refused: Option<(PathBuf, String)>,
     fresh: bool,
     is_drawn: bool,
     /// Number of characters of the name that were typed before the dialog was there.
@@ -90,8 +94,8 @@ pub(super) struct Prompt {
 impl Prompt {
     pub(super) fn new(purpose: Purpose, name: String, folder: Option<&Path>, reason: &'static str) -> Self {
         let folder = folder.map_or_else(|| std::env::current_dir().unwrap_or_default(), Path::to_owned);
-        let (replacing, fresh, is_drawn, typed_before) = (None, true, false, 0);
-        Self { purpose, folder, name, reason, replacing, fresh, is_drawn, typed_before }
+        let (replacing, refused, fresh, is_drawn, typed_before) = (None, None, true, false, 0);
+        Self { purpose, folder, name, reason, replacing, refused, fresh, is_drawn, typed_before }
     }
 
     /// Whether it was drawn before, and its field takes what is typed.
@@ -113,7 +117,12 @@ impl Prompt {
     }
 
     /// Draws the dialog; returns its answer once.
-    pub(super) fn show(&mut self, ui: &Ui, reader: &mut FolderReader) -> Option<PromptAnswer> {
+    pub(super) fn show(
+        &mut self,
+        ui: &Ui,
+        reader: &mut FolderReader,
+        check: &ReplacedCheck<'_>,
+    ) -> Option<PromptAnswer> {
         reader.read(Some(&self.folder));
         self.is_drawn = true;
         // Before the field takes the key. An Enter that is held is that of what opened the dialog.
@@ -182,6 +191,11 @@ impl Prompt {
         }
         // Into a library of Fusion tools are added: it is asked about as that.
         let adds = self.purpose == Purpose::SaveLibrary && is_fusion_library(&path);
+        if let Err(error) = check(self.purpose, &path) {
+            let why = format!("{}: {}", as_sentence(error.message), error.help);
+            self.refused = Some((path, why));
+            return None;
+        }
         if self.purpose.saves() && path.exists() && !adds {
             self.replacing = Some(path);
             return None;
@@ -270,6 +284,9 @@ impl Prompt {
                 }
                 _ => {}
             }
+        }
+        if let Some((_, why)) = self.refused.as_ref().filter(|(refused, _)| *refused == path) {
+            return Err(why.clone());
         }
         if self.purpose.saves() {
             let folder = path.parent().unwrap_or(Path::new(""));
