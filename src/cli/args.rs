@@ -375,7 +375,7 @@ pub struct MergeArgs {
     /// Folder of the results
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Table to write, .csv
+    /// Table to write: .csv, or .parquet where the program is built with that
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
 }

@@ -12,8 +12,10 @@ use super::stdout::print_stdout;
 use super::watch::run_with_progress;
 use crate::error::ErrorCode;
 use crate::io::write_atomically;
-use crate::study::merge::merge;
+use crate::study::merge::{Merged, merge};
 use crate::study::pareto::{ParetoSet, Table};
+#[cfg(feature = "parquet")]
+use crate::study::parquet::write_parquet;
 use crate::study::{Execution, RunList, RunResult, RunStatus, Shard, StudyFile, Tally, execute};
 
 /// Largest number of runs at a time.
@@ -149,12 +151,9 @@ fn check_tally(tally: &Tally) -> Result<(), Failure> {
 fn run_merge(args: &MergeArgs) -> Result<(), Failure> {
     let name = args.output.display().to_string();
     let extension = args.output.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    if extension != "csv" {
-        let what = format!("`.{extension}` is not a format of tables");
-        return Err(Failure::input(ErrorCode::FileFormat, what, "name a .csv file").at(name));
-    }
+    let bytes_of = table_writer(&extension).map_err(|failure| failure.at(&name))?;
     let merged = merge(&args.folder)?;
-    write_atomically(&args.output, merged.text.as_bytes())?;
+    write_atomically(&args.output, &bytes_of(&name, &merged)?)?;
     print_stdout(&format!("wrote {name}: {} runs\n", merged.rows))?;
     match merged.missing.first() {
         None => Ok(()),
@@ -163,6 +162,31 @@ fn run_merge(args: &MergeArgs) -> Result<(), Failure> {
             let what = format!("{missing} of {all} runs have no result, {first} is the first");
             let help = "run the study again to do what is left";
             Err(Failure::work(ErrorCode::PlanIncomplete, what, help))
+        }
+    }
+}
+
+/// The bytes of a merged table in a format; with the name of the file for messages.
+type TableWriter = fn(&str, &Merged) -> Result<Vec<u8>, Failure>;
+
+/// What writes tables with the ending `extension`.
+fn table_writer(extension: &str) -> Result<TableWriter, Failure> {
+    match extension {
+        "csv" => Ok(|_, merged| Ok(merged.text.clone().into_bytes())),
+        #[cfg(feature = "parquet")]
+        "parquet" => Ok(|name, merged| {
+            let table = Table::read_bytes(name, merged.text.as_bytes())?;
+            write_parquet(&table).map_err(|error| Failure::from(error).at(name))
+        }),
+        #[cfg(not(feature = "parquet"))]
+        "parquet" => {
+            let what = "this program is built without Parquet";
+            let help = "name a .csv file, or build with `--features parquet`";
+            Err(Failure::input(ErrorCode::FileFormat, what, help))
+        }
+        _ => {
+            let what = format!("`.{extension}` is not a format of tables");
+            Err(Failure::input(ErrorCode::FileFormat, what, "name a .csv or .parquet file"))
         }
     }
 }

@@ -9,9 +9,9 @@ use crate::error::ErrorCode;
 use crate::io::{InputError, source};
 
 /// Columns before those of the keys that vary.
-const HEAD: [&str; 3] = ["id", "part", "status"];
+pub(super) const HEAD: [&str; 3] = ["id", "part", "status"];
 /// Columns after the figures.
-const TAIL: [&str; 5] = ["policy", "tools", "error", "part_hash", "program"];
+pub(super) const TAIL: [&str; 5] = ["policy", "tools", "error", "part_hash", "program"];
 
 /// A merged study.
 #[derive(Clone, Debug, PartialEq, Eq)]

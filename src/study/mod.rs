@@ -12,6 +12,8 @@ mod execute;
 mod file;
 pub mod merge;
 pub mod pareto;
+#[cfg(feature = "parquet")]
+pub mod parquet;
 mod result;
 mod results;
 mod runs;

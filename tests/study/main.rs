@@ -3,4 +3,6 @@
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
 mod files;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod rounds;

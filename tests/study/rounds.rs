@@ -163,7 +163,9 @@ fn bad_arguments_are_refused_in_one_line() {
         (&["study.toml", "-o", "out", "--jobs", "0"], "give 1 to"),
         (&["merge", ".", "-o", "r.csv"], "not the folder of a study"),
         (&["merge", "none", "-o", "r.csv"], "not the folder of a study"),
-        (&["merge", ".", "-o", "r.parquet"], "name a .csv file"),
+        (&["merge", ".", "-o", "r.xlsx"], "name a .csv or .parquet file"),
+        #[cfg(not(feature = "parquet"))]
+        (&["merge", ".", "-o", "r.parquet"], "name a .csv file, or build with `--features parquet`"),
         (&["pareto", "none.csv"], "cannot be read"),
         (&["pareto", "study.toml"], "study merge"),
     ] {
