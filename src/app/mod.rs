@@ -301,7 +301,7 @@ impl App {
             PartAction::Command(command) => self.run_command(ctx, command),
             PartAction::Open(source) => self.run_guarded(ctx, Pending::OpenPart(source, None)),
             PartAction::OpenFile(path) => self.run_guarded(ctx, Pending::Open(path)),
-            PartAction::DiscardRecovery(path) => self.drop_recoverable(&path),
+            PartAction::DiscardRecovery(path) => self.begin_discarding(&path),
         }
     }
 
@@ -486,6 +486,7 @@ impl eframe::App for App {
         self.ask_changed(ui);
         self.ask_missing_part(ui);
         self.ask_recover(ui);
+        self.ask_discard(ui);
         self.go_on_with_export(ui.ctx());
         self.ask_release(ui);
         self.ask_export(ui);

@@ -486,3 +486,33 @@ fn colour_scales_stay_when_a_project_is_opened_again_or_recovered() {
     let other = window_with_project(&engine, &folder.path().join("other"), &path);
     assert_eq!(scales(&other).0, fitted.0);
 }
+
+/// What moves under the pointer when an offer goes is not discarded by the same gesture.
+#[test]
+fn discarding_asks_and_copies_of_one_part_have_exact_ages() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let (engine, _) = fake::engine();
+    edit_and_crash(window_with_part(&engine, &home, folder.path()), 6.5);
+    let mut second = window_with_part(&engine, &home, folder.path());
+    second.get_by_label("Not now").click();
+    second.run_steps(3);
+    edit_and_crash(second, 5.5);
+    let mut start = window_at(&engine, &home);
+    let offers = |window: &Window| window.query_all_by_label_contains("Unsaved changes of wheel, ").count();
+    assert_eq!(offers(&start), 2);
+    assert_eq!(start.query_all_by_label_contains(" s ago").count(), 2, "not both `just now`");
+    let discard = |window: &mut Window| {
+        window.get_all_by_label("Discard").next().expect("an offer").click();
+        window.run_steps(3);
+        window.get_by_label_contains("Discard the unsaved changes of wheel");
+    };
+    discard(&mut start);
+    start.key_press(egui::Key::Escape);
+    start.run_steps(3);
+    assert_eq!(offers(&start), 2, "both are still there");
+    discard(&mut start);
+    start.get_all_by_label("Discard").last().expect("the answer").click();
+    start.run_steps(3);
+    assert_eq!(offers(&start), 1);
+}

@@ -56,6 +56,8 @@ pub(in crate::app) struct Session {
     pub(super) left_library: Option<PathBuf>,
     /// Recovery copy of the project that was opened, while it is asked what to do with it.
     pub(super) found: Option<RecoveryCopy>,
+    /// Recovery copy of the start page, while it is asked whether to discard it.
+    pub(super) discarding: Option<RecoveryCopy>,
     /// Recovery copies of other projects and parts that were said to be there.
     pub(super) noted_copies: Vec<PathBuf>,
     /// Action that waits for an answer about unsaved work, and about which.
@@ -88,6 +90,7 @@ impl Session {
     pub(in crate::app) fn is_asking(&self) -> bool {
         self.pending.is_some()
             || self.found.is_some()
+            || self.discarding.is_some()
             || self.changed_on_disk.is_some()
             || self.missing_part.is_some()
     }

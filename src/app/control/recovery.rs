@@ -145,8 +145,22 @@ impl App {
         }
     }
 
+    /// Asks whether to discard the recovery copy at `path`: a click that is meant for another is easily made.
+    pub(in crate::app) fn begin_discarding(&mut self, path: &Path) {
+        self.session.discarding = self.state.recoverable.iter().find(|copy| copy.path == path).cloned();
+    }
+
+    /// Asks whether to discard a recovery copy, while that is due.
+    pub(in crate::app) fn ask_discard(&mut self, ui: &Ui) {
+        let answer = self.session.discarding.as_ref().and_then(|copy| recover::ask_discard(ui, copy));
+        let Some(discards) = answer else { return };
+        if let Some(copy) = self.session.discarding.take().filter(|_| discards) {
+            self.drop_recoverable(&copy.path);
+        }
+    }
+
     /// Discards a recovery copy of another session.
-    pub(in crate::app) fn drop_recoverable(&mut self, path: &Path) {
+    fn drop_recoverable(&mut self, path: &Path) {
         self.state.recoverable.retain(|copy| copy.path != path);
         home::remove_copy(path);
     }

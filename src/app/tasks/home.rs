@@ -192,7 +192,15 @@ impl Home {
     /// Recovery copies of other sessions that ended without closing, with what a user knows them by, latest
     /// first.
     pub fn recoverable(&self) -> Vec<RecoveryCopy> {
-        self.recovery_copies().into_iter().map(recovery_copy).collect()
+        let copies = self.recovery_copies();
+        let known: Vec<RecoveryCopy> = copies.iter().map(|path| recovery_copy(path, Age::InWords)).collect();
+        let is_one_of_several =
+            |copy: &RecoveryCopy| known.iter().filter(|other| other.title == copy.title).count() > 1;
+        let distinct = |copy: &RecoveryCopy| match is_one_of_several(copy) {
+            true => recovery_copy(&copy.path, Age::ToTheSecond),
+            false => copy.clone(),
+        };
+        known.iter().map(distinct).collect()
     }
 
     /// Whether the session of another recovery copy runs. One that was killed runs, too, until the system has
@@ -306,30 +314,42 @@ fn is_copy_name(path: &Path, ending: &str) -> bool {
     numbers && path.extension().is_some_and(|extension| extension == ending)
 }
 
+/// How exactly the age of a recovery copy is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Age {
+    InWords,
+    /// Of several copies with the same name and age.
+    ToTheSecond,
+}
+
 /// The recovery copy at `path`, with what a user knows it by.
-fn recovery_copy(path: PathBuf) -> RecoveryCopy {
-    let project = read_project(&path).ok();
+fn recovery_copy(path: &Path, exactness: Age) -> RecoveryCopy {
+    let project = read_project(path).ok();
     let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let name = project.as_ref().map_or_else(
-        || stem(&path),
+        || stem(path),
         |project| match (&project.original, &project.part) {
             (Some(original), _) => stem(original),
             (None, PartLocation::Sample(name)) => name.clone(),
             (None, PartLocation::File(file) | PartLocation::Mesh { file, .. }) => stem(file),
         },
     );
-    let age = std::fs::metadata(&path).ok().and_then(|data| data.modified().ok()?.elapsed().ok());
-    let title = format!("{name}, {}", age_in_words(age.unwrap_or_default()));
+    let age = std::fs::metadata(path).ok().and_then(|data| data.modified().ok()?.elapsed().ok());
+    let title = format!("{name}, {}", age_in_words(age.unwrap_or_default(), exactness));
     let part = project.as_ref().and_then(|project| match &project.part {
         PartLocation::File(file) | PartLocation::Mesh { file, .. } => Some(file.clone()),
         PartLocation::Sample(_) => None,
     });
-    RecoveryCopy { path, title, project: project.and_then(|project| project.original), part }
+    RecoveryCopy { path: path.to_owned(), title, project: project.and_then(|project| project.original), part }
 }
 
-fn age_in_words(age: Duration) -> String {
+fn age_in_words(age: Duration, exactness: Age) -> String {
     const HOUR_S: u64 = 3600;
     match age.as_secs() {
+        s if exactness == Age::ToTheSecond && s < 60 => format!("{s} s ago"),
+        s if exactness == Age::ToTheSecond && s < 48 * HOUR_S => {
+            format!("{} h {} min {} s ago", s / HOUR_S, s / 60 % 60, s % 60)
+        }
         s if s < 60 => "just now".to_owned(),
         s if s < 2 * HOUR_S => format!("{} min ago", s / 60),
         s if s < 48 * HOUR_S => format!("{} h ago", s / HOUR_S),
@@ -438,7 +458,7 @@ mod tests {
             (7_200, "2 h ago"),
             (200_000, "2 days ago"),
         ] {
-            assert_eq!(age_in_words(Duration::from_secs(seconds)), words);
+            assert_eq!(age_in_words(Duration::from_secs(seconds), Age::InWords), words);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use egui::Ui;
 
-use super::modal::Question;
+use super::modal::{Question, choice};
 use crate::app::model::state::RecoveryCopy;
 
 /// Answer to the question.
@@ -30,4 +30,15 @@ pub fn ask(ui: &Ui, copy: &RecoveryCopy) -> Option<RecoverAnswer> {
         ("Not now", "Continues with what is open; asks again", RecoverAnswer::Later),
     ];
     question.ask(ui, answers, RecoverAnswer::Later)
+}
+
+/// Asks whether to remove `copy`; returns the answer once.
+pub fn ask_discard(ui: &Ui, copy: &RecoveryCopy) -> Option<bool> {
+    let question = Question {
+        id: "discard recovery copy",
+        width: 360.0,
+        title: &format!("Discard the unsaved changes of {}?", copy.title),
+        text: "They are nowhere else.",
+    };
+    question.ask(ui, [choice("Discard", true), choice("Cancel", false)], false)
 }

@@ -18,7 +18,7 @@ pub enum PartAction {
     Open(PartSource),
     /// Open this file.
     OpenFile(PathBuf),
-    /// Discard a recovery copy.
+    /// Ask whether to discard a recovery copy.
     DiscardRecovery(PathBuf),
 }
 
