@@ -17,10 +17,6 @@ const MAX_DIAMETER_SHARE_FOR_LENGTH: f64 = 0.7;
 const MIN_ROOM_SHARE: f64 = 0.1;
 /// The overhang exceeds the channel's depth by this factor, as axes are inclined.
 const OVERHANG_MARGIN: f64 = 1.15;
-/// Least corner radius of a ball end, in radii of the cutter. On the samples a bottom that is flat, or
-/// nearly, leaves 8 to 40 % of the floor in gaps, one with this corner 1.5 to 2.4 %, and a ball of any size
-/// below 0.5 %.
-const MIN_BALL_SHARE: f64 = 0.95;
 /// Stations along a passage at which its width is measured.
 const STATIONS: usize = 24;
 
@@ -119,15 +115,10 @@ impl ChannelSpace {
     /// and a ball larger than the channel is deep has no flank in it.
     fn fits_ball_end(&self, tool: &Tool) -> bool {
         !tool.is_tapered()
-            && is_ball(tool)
+            && tool.is_ball()
             && tool.corner_radius <= self.depth
             && self.free_width(tool) >= 0.0
     }
-}
-
-/// Whether the bottom of a tool is a ball, or hardly differs from one.
-fn is_ball(tool: &Tool) -> bool {
-    tool.corner_radius >= MIN_BALL_SHARE * tool.radius()
 }
 
 /// Chooses one of `tools` for the channel.
@@ -240,7 +231,7 @@ fn suited<'a>(tools: &'a [Tool], depth: f64) -> Result<Vec<&'a Tool>, SetupFault
         let suited: Vec<&Tool> = tools.iter().copied().filter(|tool| suits(tool)).collect();
         if suited.is_empty() { tools } else { suited }
     };
-    let balls = of(of(cylindrical, &|tool| !tool.is_flat()), &is_ball);
+    let balls = of(of(cylindrical, &|tool| !tool.is_flat()), &Tool::is_ball);
     Ok(of(balls, &|tool| tool.corner_radius <= depth))
 }
 

@@ -5,6 +5,10 @@ use crate::geometry::{CutterSolid, Point, Vector};
 
 /// Length of a holder that is drawn where it is only assumed, in diameters of the cutter.
 const ASSUMED_HOLDER: f64 = 1.2;
+/// Least corner radius of a ball end, in radii of the cutter. On the samples a bottom that is flat, or
+/// nearly, leaves 8 to 40 % of the floor in gaps of flank passes, one with this corner 1.5 to 2.4 %, and a
+/// ball of any size below 0.5 %.
+const MIN_BALL_SHARE: f64 = 0.95;
 /// Cylinders that stand for a cone of a holder which widens.
 const CONE_SLICES: u32 = 4;
 
@@ -123,6 +127,11 @@ impl Tool {
     /// Whether its bottom is flat but for its corners: a mill for plunging. Others end in a ball, or nearly.
     pub fn is_flat(&self) -> bool {
         self.corner_radius < 0.5 * self.radius()
+    }
+
+    /// Whether its bottom is a ball, or hardly differs from one.
+    pub fn is_ball(&self) -> bool {
+        self.corner_radius >= MIN_BALL_SHARE * self.radius()
     }
 
     /// Whether its edges widen towards the shank; planners know cylindrical cutters only.

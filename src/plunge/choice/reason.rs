@@ -58,7 +58,7 @@ impl Reasons<'_> {
             Some(limit) if largest => {
                 format!("largest cutter with room for rows side by side at the outlet (at most D {limit:.1})")
             }
-            None if largest => "largest cutter available".to_owned(),
+            None if largest => "largest cutter for plunges".to_owned(),
             _ if larger.any(|t| fits(t)) => "larger ones would fit".to_owned(),
             _ => "largest cutter with room to tilt".to_owned(),
         }

@@ -219,7 +219,7 @@ fn reasons_name_the_border_and_the_price_of_another_size() {
     assert_eq!(tools_of(&chosen), [1, 2]);
     let reason = &chosen[0].reason;
     assert!(
-        reason.starts_with("largest cutter available; to s = 0.32, where the passage narrows to"),
+        reason.starts_with("largest cutter for plunges; to s = 0.32, where the passage narrows to"),
         "{reason}"
     );
     assert!(reason.contains("% longer"), "{reason}");

@@ -137,15 +137,13 @@ fn uses(ui: &mut Ui, planned: &DisplayPlan, policy: AxisPolicy) {
             label.on_hover_text(reason);
         }
     }
+    let is_idle = |tool: &&Tool| plan.sections.iter().all(|section| section.tool.number != tool.number);
+    let idle: Vec<&Tool> = planned.setup.tools.iter().filter(is_idle).collect();
     // Ball ends are for flank milling.
-    let is_idle = |tool: &&Tool| {
-        tool.is_flat() && plan.sections.iter().all(|section| section.tool.number != tool.number)
-    };
-    let mut idle = planned.setup.tools.iter().filter(is_idle).peekable();
-    if idle.peek().is_none() {
-        return;
-    }
-    let (why, tip) = match planned.setup.plunge.sections.is_empty() {
+    let round: Vec<&Tool> = idle.iter().copied().filter(|tool| !tool.is_flat() && !tool.is_ball()).collect();
+    idle_line(ui, &round, ("a corner radius of a quarter of the diameter or more", ROUND_TIP));
+    let flat: Vec<&Tool> = idle.into_iter().filter(|tool| tool.is_flat()).collect();
+    let reason = match planned.setup.plunge.sections.is_empty() {
         true => (
             "not chosen for a section",
             "Sections get the tools that cut the channel in the least time. Cutters that are too thick or too \
@@ -153,12 +151,19 @@ fn uses(ui: &mut Ui, planned: &DisplayPlan, policy: AxisPolicy) {
         ),
         false => ("not named in any section", "Name the tool in a section, or remove it from the setup"),
     };
-    let names: Vec<String> = idle
-        .by_ref()
-        .take(MAX_IDLE)
-        .map(|tool| format!("T{} {}", tool.number, units::display_units(ui).diameter(tool.diameter)))
-        .collect();
-    let more = match idle.count() {
+    idle_line(ui, &flat, reason);
+}
+
+/// That `tools` have no plunges, and why, with a tooltip; nothing without tools.
+fn idle_line(ui: &mut Ui, tools: &[&Tool], (why, tip): (&str, &str)) {
+    if tools.is_empty() {
+        return;
+    }
+    let (named, others) = tools.split_at(tools.len().min(MAX_IDLE));
+    let units = units::display_units(ui);
+    let names: Vec<String> =
+        named.iter().map(|tool| format!("T{} {}", tool.number, units.diameter(tool.diameter))).collect();
+    let more = match others.len() {
         0 => String::new(),
         more => format!(" and {more} more"),
     };
@@ -167,6 +172,8 @@ fn uses(ui: &mut Ui, planned: &DisplayPlan, policy: AxisPolicy) {
         .on_hover_text(tip);
 }
 
+const ROUND_TIP: &str =
+    "Plunges are planned for mills whose bottom is flat but for small corners, where there are such";
 /// Number of tools without plunges that are named.
 const MAX_IDLE: usize = 8;
 /// Number of tools that are all listed; of a library in a setup only those that are used.
