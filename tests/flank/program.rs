@@ -312,3 +312,21 @@ fn only_stale_stages_are_planned_again_and_to_the_same_end() {
     assert_eq!(fresh.plan.moves.len(), third.plan.moves.len());
     assert!(fresh.plan.moves.iter().zip(&third.plan.moves).all(|(a, b)| a.tip == b.tip && a.axis == b.axis));
 }
+
+#[test]
+fn walls_no_higher_than_the_corner_of_the_cutter_are_not_called_unmilled() {
+    let FlankOutcome { workpiece, setup, plan, .. } = &*BY_REGIONS;
+    let mut program = ClProgram::of_flank(&workpiece.part.name, &plan.tool, &plan.moves);
+    let judged = |program: &ClProgram| {
+        verify_flank(workpiece, setup, program, &Monitor::default()).expect("a verdict")
+    };
+    // The walls that a few moves leave are enough.
+    program.moves.truncate(200);
+    assert!(judged(&program).unmilled_walls.iter().all(|share| share.is_finite()));
+    for tool in &mut program.tools {
+        (tool.diameter, tool.corner_radius) = (50.0, 25.0);
+    }
+    let verdict = judged(&program);
+    assert_eq!(verdict.unmilled_wall_share, 0.0);
+    assert!(verdict.unmilled_walls.iter().all(|share| share.is_nan()), "{:?}", verdict.unmilled_walls);
+}

@@ -94,6 +94,8 @@ pub fn walls_text(verdict: &FlankVerdict) -> String {
             verdict.max_undercut,
             100.0 * verdict.unmilled_wall_share
         )
+    } else if verdict.unmilled_wall_share == 0.0 {
+        format!("walls: no higher than the corner of the cutter; {:.4} mm overcut\n", verdict.max_overcut)
     } else {
         format!("walls: not milled; {:.4} mm overcut\n", verdict.max_overcut)
     }

@@ -24,7 +24,7 @@ pub(super) struct WallDeviation {
     pub(super) overcut: f64,
     /// Greatest stock left above it.
     pub(super) undercut: f64,
-    /// Share of the samples to which no cutter comes near, 0…1.
+    /// Share of the samples to which no cutter comes near, 0…1; 0 without samples.
     pub(super) unmilled_share: f64,
     /// The same wall by wall; NaN where a wall has no samples.
     pub(super) unmilled_walls: Vec<f64>,
@@ -80,7 +80,8 @@ pub(super) fn wall_deviation(
         samples += judged;
         maps.push(map_above_foot(u, &v, &left));
     }
-    let unmilled_share = 1.0 - milled.len() as f64 / (samples as f64).max(1.0);
+    // Of walls that are no higher than the corners of the cutters nothing is judged.
+    let unmilled_share = if samples > 0 { 1.0 - milled.len() as f64 / samples as f64 } else { 0.0 };
     let none = if milled.is_empty() { f64::NAN } else { 0.0 };
     Ok(WallDeviation {
         overcut: milled.iter().fold(none, |most, left| most.max(-left)),
