@@ -113,9 +113,10 @@ fn tools_that_are_chosen_anew_are_named_and_the_colour_scale_stays() {
     window.run_steps(3);
     let scale = window.state().state().range();
     set_step(&mut window, 6.0);
-    assert!(window.query_by_label_contains("Chosen anew:").is_none(), "the same tools");
+    assert!(window.query_by_label_contains("chosen anew:").is_none(), "the same tools");
     set_step(&mut window, 30.0);
-    window.get_by_label_contains("Chosen anew: Ø30 (1.00 to 0.50)");
+    let said = window.query_all_by_label_contains("Tools chosen anew: Ø30 (1.00 to 0.50)");
+    assert!(said.count() > 0, "in the panel, too");
     let notice = window.state().state().notice.clone().expect("a word about it");
     assert!(notice.tone == Tone::Done && notice.text.contains("became Ø20"), "{notice:?}");
     let state = window.state().state();
@@ -127,7 +128,7 @@ fn tools_that_are_chosen_anew_are_named_and_the_colour_scale_stays() {
     assert_eq!(window.state().state().range(), fitting, "until it is asked for");
     assert!(window.query_by_label("Fit scale").is_none());
     set_step(&mut window, 29.0);
-    assert!(window.query_by_label_contains("Chosen anew:").is_none(), "nothing changed this time");
+    assert!(window.query_by_label_contains("chosen anew:").is_none(), "nothing changed this time");
 }
 
 /// A library with a holder, as Fusion writes it.

@@ -218,12 +218,22 @@ impl DisplayPlan {
         if count == 0 { Some(0.0) } else { clock.get(count - 1).copied() }
     }
 
-    /// What differs between the tools and sections of two plans, for a reader; `None` if nothing does. Only
+    /// What differs between the tools and sections of two plans, as a sentence; `None` if nothing does. Only
     /// for plans of one part.
     pub fn tool_change_since(&self, last: &Self, units: DisplayUnits) -> Option<String> {
-        let (then, now) =
-            (tools_in_words(&last.outcome.setup, units), tools_in_words(&self.outcome.setup, units));
-        (then != now).then(|| format!("{then} became {now}"))
+        let words = |planned: &Self| tools_in_words(&planned.outcome.setup, units);
+        let (then, now) = (words(last), words(self));
+        let sorted = |mut sections: Vec<String>| {
+            sections.sort();
+            sections
+        };
+        if then == now {
+            None
+        } else if sorted(then.clone()) == sorted(now.clone()) {
+            Some(format!("Sections cut in another order: {}", now.join(", ")))
+        } else {
+            Some(format!("Tools chosen anew: {} became {}", then.join(", "), now.join(", ")))
+        }
     }
 
     /// Mean residual stock on the hub under the cutter of position `index`, mm; NaN without floor under it.
@@ -233,14 +243,14 @@ impl DisplayPlan {
 }
 
 /// Tools of the sections of a complete setup, with their stretches.
-fn tools_in_words(setup: &Setup, units: DisplayUnits) -> String {
+fn tools_in_words(setup: &Setup, units: DisplayUnits) -> Vec<String> {
     let section = |section: &SectionSetup| {
         let tool = setup.tools.iter().find(|tool| tool.number == section.tool)?;
         let rest = section.kind.suffix();
         let diameter = units.diameter(tool.diameter);
         Some(format!("{diameter} ({:.2} to {:.2}{rest})", section.from, section.to))
     };
-    setup.plunge.sections.iter().filter_map(section).collect::<Vec<_>>().join(", ")
+    setup.plunge.sections.iter().filter_map(section).collect()
 }
 
 /// The plunges `cutters` of a plan over a floor: one of `known`, if it has the same.

@@ -45,7 +45,8 @@ fn chooses_tools(setup: &Setup) -> bool {
 pub struct Results {
     /// Latest successful plan.
     pub planned: Option<Arc<DisplayPlan>>,
-    /// What the last plan changed in tools and sections that the program chooses; `None` if nothing.
+    /// What the last plan changed in tools and sections that the program chooses, as a sentence; `None` if
+    /// nothing.
     pub tool_change: Option<String>,
     /// Preview of the running plan, if there is one.
     pub preview: Option<Arc<PlanPreview>>,

@@ -186,8 +186,8 @@ impl AppState {
         if !unfinished && self.look.range.is_none() {
             self.look.range = fitted;
         }
-        if let Some(change) = &self.results.tool_change {
-            self.report_done(format!("Tools chosen anew: {change}"));
+        if let Some(change) = self.results.tool_change.clone() {
+            self.report_done(change);
         }
         if unfinished {
             self.report_done("Calculation cancelled: the best so far, not finished; recalculate (F5)");

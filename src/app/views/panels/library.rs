@@ -235,7 +235,9 @@ fn diameters(ui: &mut Ui, form: Id, [least, most]: &mut [f64; 2]) -> Rect {
 fn list(ui: &mut Ui, library: &mut ShopLibrary, height: f32) {
     let units = units::display_units(ui);
     let count = library.shown(units).len();
-    ui.label(RichText::new(format!("{count} of {} tools", library.content().tools.len())).weak());
+    let all = library.content().tools.len();
+    let text = if all == 1 { format!("{count} of one tool") } else { format!("{count} of {all} tools") };
+    ui.label(RichText::new(text).weak());
     let row = ui.text_style_height(&egui::TextStyle::Button) + 6.0;
     let mut area = scroll_area(height).auto_shrink([false, false]);
     // The row that arrow keys have come to, which is scrolled to and gets the focus.

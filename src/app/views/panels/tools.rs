@@ -61,7 +61,7 @@ fn content(
         rest_checkbox(ui, setup);
         let Some((chosen, (planned, policy))) = chosen.zip(planned) else { return };
         if let Some(change) = change {
-            let text = RichText::new(format!("Chosen anew: {change}"));
+            let text = RichText::new(change);
             ui.add(egui::Label::new(text.color(Condition::Blocked.text(ui.visuals()))).wrap())
                 .on_hover_text("The last edit led to other tools; edit tools and sections to keep them");
         }
