@@ -185,7 +185,7 @@ fn choose_from(tools: &[Tool], space: &ChannelSpace) -> Result<ChosenTool, Setup
 
 /// What a longer tool would free, one line, where a holder is in the way of passes: the overhang that was
 /// found for them; else, of a tool shorter than the channel asks for, one that keeps the holder out of the
-/// channel.
+/// channel, and that is enough where one was found.
 pub fn overhang_note(tool: &Tool, uncut: &[UncutLength], part: &Impeller) -> Option<String> {
     let is_freed = |left: &&UncutLength| match left.why.hindered_by {
         Some(AssemblyPart::Holder) => true,
@@ -210,11 +210,12 @@ pub fn overhang_note(tool: &Tool, uncut: &[UncutLength], part: &Impeller) -> Opt
         ));
     }
     let depth = deepest(part);
-    let wanted = (OVERHANG_MARGIN * depth).ceil();
+    let found = hindered().filter_map(|left| left.overhang).fold(0.0, f64::max);
+    let wanted = (OVERHANG_MARGIN * depth).ceil().max(found);
     (has < wanted).then(|| {
         format!(
-            "the holder is in the way of passes: in a channel {depth:.1} mm deep an overhang of {wanted} mm keeps \
-             it out, instead of {has}"
+            "the holder is in the way of passes: in a channel {depth:.1} mm deep give an overhang of {wanted} mm \
+             or more, instead of {has}"
         )
     })
 }

@@ -279,9 +279,12 @@ fn a_holder_in_the_way_of_passes_is_answered_by_a_length() {
     let left = |why| found(why, None);
     let by_holder = UncutReason::holder("the holder meets the part");
     let note = overhang_note(&tool, &left(by_holder), &part).expect("too short");
-    assert!(note.contains("an overhang of 40 mm keeps it out, instead of 18"), "{note}");
+    assert!(note.contains("give an overhang of 40 mm or more, instead of 18"), "{note}");
     let note = overhang_note(&tool, &found(by_holder, Some(33.0)), &part).expect("known");
     assert!(note.contains("an overhang of 33 mm would do, instead of 18"), "{note}");
+    let several = [found(by_holder, Some(51.0)), left(by_holder)].concat();
+    let note = overhang_note(&tool, &several, &part).expect("known in part");
+    assert!(note.contains("give an overhang of 51 mm or more, instead of 18"), "{note}");
     assert_eq!(overhang_note(&tool, &left(UncutReason::new("a blade is too near")), &part), None);
     tool.overhang = 40.0;
     assert_eq!(overhang_note(&tool, &left(by_holder), &part), None);
