@@ -454,6 +454,8 @@ impl App {
 
     pub(in crate::app) fn write(&mut self, task: WriteTask) {
         let kind = task.purpose().kind();
+        // What was wrong with the last attempt is said again if it still is.
+        self.state.solve(Topic::Writing(kind));
         self.state.notice = None;
         if self.work.write(task) {
             self.state.report_done(format!("The {kind} waits for the export that is being checked"));

@@ -117,10 +117,11 @@ pub enum DurationUnit {
 }
 
 impl DurationUnit {
-    /// The unit that suits the shortest of `seconds`.
+    /// The unit that suits the shortest of `seconds`; plans that take no time do not count.
     pub fn for_all(seconds: impl IntoIterator<Item = f64>) -> Self {
-        let known = seconds.into_iter().filter(|seconds| seconds.is_finite() && *seconds >= 0.0);
+        let known = seconds.into_iter().filter(|seconds| seconds.is_finite() && *seconds > 0.0);
         match known.fold(f64::INFINITY, f64::min) / 60.0 {
+            minutes if minutes.is_infinite() => Self::Minute,
             minutes if minutes < 1.0 => Self::Second,
             minutes if minutes < 90.0 => Self::Minute,
             _ => Self::Hour,
@@ -132,6 +133,8 @@ impl DurationUnit {
         if !seconds.is_finite() || seconds < 0.0 {
             return "-".to_owned();
         }
+        // Without the sign of a zero.
+        let seconds = seconds.abs();
         match self {
             Self::Second => format!("{seconds:.0} s"),
             Self::Minute => format!("{:.0} min", seconds / 60.0),
@@ -236,6 +239,8 @@ mod tests {
         assert_eq!(units.text(2640.0, 15_480.0), "44 min per channel, 4.3 h wheel");
         assert_eq!(DurationUnit::for_all([f64::NAN, 30.0]), DurationUnit::Second);
         assert_eq!(DurationUnit::Minute.text(f64::NAN), "-");
+        assert_eq!(DurationUnit::for_all([0.0, 5400.0]), DurationUnit::Hour);
+        assert_eq!(format_duration(-0.0), "0 min");
     }
 
     #[test]
