@@ -1,6 +1,6 @@
 //! An impeller as meshes: hub with body, blades, shroud, the floor of the active channel.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use glam::Vec3;
 
@@ -201,18 +201,32 @@ impl WallAngles {
         a + wrap_angle(b - a) * (x - k as f64)
     }
 
+    /// By how much a triangle of the floor between two stations dips below the round hub, as a share of its
+    /// radius: in a wrapped channel its edges turn from station to station.
+    fn sagitta(&self, s: f64, other: f64, columns: usize) -> f64 {
+        let turn = wrap_angle(self.theta(s, 0.5) - self.theta(other, 0.5)).abs();
+        let [low, high] = [0.0, 1.0].map(|lambda| self.theta(s, lambda));
+        let column = wrap_angle(high - low).abs() / columns as f64;
+        1.0 - ((turn + column).min(PI) / 2.0).cos()
+    }
+
+    /// Raised by what its triangles dip below the hub, which would come through it.
     fn floor_mesh(&self, hub: &Flowpath, columns: usize, detail: &Detail) -> Mesh {
         let lambdas = even_steps(columns);
         let mut mesh = Mesh::default();
         let stations = detail.stations();
-        for &s in &stations {
+        for (k, &s) in stations.iter().enumerate() {
             let (p, n) = (hub.point(s), hub.normal(s));
+            let beside = [k.saturating_sub(1), (k + 1).min(stations.len() - 1)];
+            let raised = beside.map(|other| self.sagitta(s, stations[other], columns) * p.r);
+            let raised = raised[0].max(raised[1]);
+            let (r, z) = (p.r + raised * n.r, p.z + raised * n.z);
             for &lambda in &lambdas {
                 let (sin, cos) = self.theta(s, lambda).sin_cos();
                 // Ambient shading darkens the corners beside the walls.
                 let wall = (lambda.min(1.0 - lambda) * 8.0).min(1.0);
                 mesh.vertices.push(Vertex {
-                    position: [(p.r * cos) as f32, (p.r * sin) as f32, p.z as f32],
+                    position: [(r * cos) as f32, (r * sin) as f32, z as f32],
                     value: wall as f32,
                     normal: [(n.r * cos) as f32, (n.r * sin) as f32, n.z as f32],
                     uncut: 0.0,
@@ -300,14 +314,28 @@ mod tests {
     }
 
     #[test]
-    fn the_floor_lies_on_rings_of_the_hub() {
+    fn the_hub_does_not_come_through_the_floor() {
         let part = with_boss();
         for mesh in [part_mesh(&part), draft_part_mesh(&part)] {
             let place = |v: &Vertex| (v.position[0].hypot(v.position[1]), v.position[2]);
             let rings: Vec<(f32, f32)> = mesh.hub.vertices.iter().map(place).collect();
-            for (r, z) in mesh.floor.vertices.chunks(mesh.floor_columns).map(|line| place(&line[0])) {
-                let near = |ring: &(f32, f32)| (ring.0 - r).hypot(ring.1 - z) < 1e-3;
-                assert!(rings.iter().any(near), "no ring of the hub at r = {r}, z = {z} mm");
+            let lines: Vec<&[Vertex]> = mesh.floor.vertices.chunks(mesh.floor_columns).collect();
+            // The ring of the hub under each line of the floor.
+            let ring = |line: &[Vertex]| {
+                let (r, z) = place(&line[0]);
+                let apart = |ring: &&(f32, f32)| (ring.0 - r).hypot(ring.1 - z);
+                let near = rings.iter().min_by(|a, b| apart(a).total_cmp(&apart(b))).expect("a ring");
+                assert!(apart(&near) < 0.02 * r, "no ring of the hub at r = {r}, z = {z} mm");
+                near.0
+            };
+            for pair in lines.windows(2) {
+                let radius = (ring(pair[0]) + ring(pair[1])) / 2.0;
+                for (a, b) in pair[0].iter().zip(&pair[1][1..]).chain(pair[0][1..].iter().zip(pair[1])) {
+                    let [x, y] = [0, 1].map(|k| (a.position[k] + b.position[k]) / 2.0);
+                    // The shader lifts it by more than that.
+                    let lowest = radius - 2e-4 * mesh.framing.wheel.radius;
+                    assert!(x.hypot(y) > lowest, "{} mm below {radius}", radius - x.hypot(y));
+                }
             }
         }
     }
