@@ -195,7 +195,7 @@ sequence = "opposite"
             ("diameter = 30.0", "", 4, "no `diameter`"),
             ("insert_width = 10.0", "insert_width = 15.1", 7, "at most 15"),
             ("corner_radius = 0.8", "corner_radius = 8.5", 11, "at most 8"),
-            ("overhang = 120", "overhang = 1e300", 8, "larger than"),
+            ("overhang = 120", "overhang = 1e300", 8, "too large"),
             ("\"conventional\"", "\"monotnoe\"", 13, "`monotone`"),
             ("step = 8.0", "step = 0", 14, "greater than 0"),
             ("max_axis_change = 4.3", "max_axis_change = 91", 15, "at most 90"),
