@@ -60,7 +60,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
         return Err(Failure::input(ErrorCode::Arguments, "out of range", "give 0.0001 to 10 mm").at(option));
     }
     let content = read(&args.input, &args.mesh)?;
-    check_is_no_input(&args.output, &[&args.input])?;
+    check_is_no_input(&args.output, &[Some(&args.input)])?;
     let (description, part) = match &content {
         InputContent::Part(part) => (&part.0, &part.1),
         InputContent::Plan(plan) => (&plan.description, &plan.part),
@@ -120,7 +120,7 @@ fn convert_library(args: &ConvertArgs, format: LibraryFormat) -> Result<(), Fail
         return Err(Failure::input(ErrorCode::FileFormat, what, "name such a file").at_path(&args.output));
     }
     let mut library = read_library(&args.input, format)?;
-    check_is_no_input(&args.output, &[&args.input])?;
+    check_is_no_input(&args.output, &[Some(&args.input)])?;
     let count = library.tools.len();
     let tools = if count == 1 { "tool" } else { "tools" };
     let mut text = format!("wrote {}: {count} {tools}\n", args.output.display());

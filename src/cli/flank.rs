@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use super::args::FlankArgs;
 use super::channels::{channel_keys, wheel_text};
 use super::machine_figures::MachineFigures;
-use super::output::{fault_list, head, material_text, number};
+use super::output::{fault_list, head, number, tools_text};
 use super::output_folder::{check_directory, create_directory, write_report};
 use super::stdout::print_stdout;
 use super::verify::flank::{cut_words, text as verdict_text, walls_text};
@@ -87,7 +87,7 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     } else {
         let mut text = text(&outcome);
         text += &channels_text(&outcome, &program);
-        text += &material_text(&outcome.setup, outcome.plan.tools());
+        text += &tools_text(&outcome.setup, outcome.plan.tools());
         text += &MachineFigures::text_of(on_machine.as_ref(), &outcome.setup);
         let (part, order) = (&outcome.workpiece.part, outcome.setup.channels);
         text += &wheel_text(part, order, outcome.wheel_time_s, outcome.machine_time.is_some());
@@ -304,11 +304,10 @@ fn text(outcome: &FlankOutcome) -> String {
     let (part, plan) = (&outcome.workpiece.part, &outcome.plan);
     let curves = &plan.layout;
     let mut text = format!(
-        "{}: {} layers, {} region{}, {} passes; cutter D {} R {}, stepover {:.3} mm at the hub\n",
+        "{}: {} layers, {}, {} passes; cutter D {} R {}, stepover {:.3} mm at the hub\n",
         part.name,
         curves.layers.len(),
-        region_count(part),
-        if region_count(part) == 1 { "" } else { "s" },
+        words::counted(region_count(part), "region", "regions"),
         curves.totals[curves.strategy as usize].passes,
         plan.tool.diameter,
         plan.tool.corner_radius,

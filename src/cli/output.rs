@@ -405,16 +405,19 @@ pub fn added_text(plan: &PlungePlan) -> String {
     text
 }
 
-/// A line where the material of `setup` has no cutting data, or some of the `tools` of a program turn much
-/// faster than these give; empty otherwise.
-pub fn material_text<'t>(setup: &Setup, tools: impl IntoIterator<Item = &'t Tool>) -> String {
-    match &setup.allowances.material {
-        Some(name) if setup.allowances.cutting_data().is_none() => format!(
+/// Lines where the material of `setup` has no cutting data, and of what must be known of the `tools` of a
+/// program; empty otherwise.
+pub fn tools_text<'t>(setup: &Setup, tools: impl IntoIterator<Item = &'t Tool>) -> String {
+    let mut text = notes_text(&setup.allowances.tool_remarks(tools));
+    if let Some(name) = &setup.allowances.material
+        && setup.allowances.cutting_data().is_none()
+    {
+        text += &format!(
             "no cutting data for `{name}`: speeds and feed rates stay those of the tools; known: {}\n",
             CuttingData::known_names().collect::<Vec<_>>().join(", ")
-        ),
-        _ => setup.allowances.too_fast(tools).map_or_else(String::new, |note| format!("{note}\n")),
+        );
     }
+    text
 }
 
 /// Notes, one per line.

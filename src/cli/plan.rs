@@ -268,7 +268,7 @@ fn plan_text(
     text += &output::convergence_text(plan);
     text += &output::limited_text(plan, edits > 0);
     text += &output::blocked_text(plan);
-    text += &output::material_text(&outcome.setup, plan.sections.iter().map(|section| &section.tool));
+    text += &output::tools_text(&outcome.setup, plan.sections.iter().map(|section| &section.tool));
     text += &output::notes_text(&report.notes);
     text += &format!(
         "wrote {} and {}\n",
@@ -280,8 +280,7 @@ fn plan_text(
 
 /// How many edits by hand a plan has, and how many of them are not in it.
 fn edits_text(count: usize, unapplied: usize) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("edited by hand: {count} edit{plural}, {unapplied} not applied\n")
+    format!("edited by hand: {}, {unapplied} not applied\n", words::counted(count, "edit", "edits"))
 }
 
 /// Fails when the plan was stopped, its program has faults, or the planning loop did not converge.

@@ -54,9 +54,8 @@ impl PostSource {
 /// [`Failure::input`] when an input is invalid, [`Failure::work`] when the machine cannot run the program.
 pub fn run(args: &PostArgs) -> Result<(), Failure> {
     let started = std::time::Instant::now();
-    let control = args.control.as_deref().map_or(Path::new(""), Path::new);
-    let setup = args.setup.as_deref().unwrap_or(Path::new(""));
-    check_is_no_input(&args.file, &[&args.program, &args.machine, control, setup])?;
+    let (control, setup) = (args.control.as_deref().map(Path::new), args.setup.as_deref());
+    check_is_no_input(&args.file, &[Some(&args.program), Some(&args.machine), control, setup])?;
     let machine = read_machine(&args.machine)?;
     let mut post = read_post(args.control.as_deref().unwrap_or(&machine.control))?;
     if args.subprogram {

@@ -34,7 +34,7 @@ impl From<GpuError> for Failure {
 /// [`Failure::input`] when an argument or the input is invalid or the file cannot be written,
 /// [`Failure::work`] when drawing fails.
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
-    check_is_no_input(&args.output, &[&args.source])?;
+    check_is_no_input(&args.output, &[Some(&args.source)])?;
     let size = parse_size(&args.size)?;
     let view: View = args.view.parse().map_err(|error: UserError| Failure::from(error).at("--view"))?;
     let is_plan = args.source.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));

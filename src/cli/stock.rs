@@ -1,6 +1,6 @@
 //! `vanecut stock`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use serde_json::{Map, Value, json};
@@ -41,9 +41,8 @@ enum StockFormat {
 pub fn run(args: &StockArgs) -> Result<(), Failure> {
     let started = Instant::now();
     let format = format_of(&args.output)?;
-    let files = [Some(&args.part), Some(&args.program), args.setup.as_ref(), args.blank.as_ref()];
-    let inputs: Vec<&Path> = files.into_iter().flatten().map(PathBuf::as_path).collect();
-    check_is_no_input(&args.output, &inputs)?;
+    let (setup, blank) = (args.setup.as_deref(), args.blank.as_deref());
+    check_is_no_input(&args.output, &[Some(&args.part), Some(&args.program), setup, blank])?;
     let (_, part) = open::part(&args.part, &args.mesh)?;
     if args.program == Path::new("-") && args.setup.as_deref() == Some(Path::new("-")) {
         return Err(open::both_from_standard_input());

@@ -50,7 +50,7 @@ pub fn choose_tool(workpiece: &Workpiece, setup: &Setup, library: &[Tool]) -> Re
 fn from_library(chosen: ChosenTool, setup: &Setup) -> ChosenTool {
     let ChosenTool { mut tool, reason } = chosen;
     if setup.tools.iter().any(|own| own.number == tool.number) {
-        tool.number = setup.tools.iter().map(|own| own.number).max().unwrap_or(0) + 1;
+        tool.renumber(setup.tools.iter().map(|own| own.number).max().unwrap_or(0) + 1);
     }
     let why = "from the tool library, as no ball end of the setup fits into the channel";
     ChosenTool { tool, reason: reason.map(|reason| format!("{reason}; {why}")) }

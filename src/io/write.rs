@@ -44,6 +44,11 @@ impl Drop for TemporaryFiles {
     }
 }
 
+/// That `path` is not replaced, since it `is` something else than what may be written there.
+pub fn not_replaced(path: &Path, is: &str) -> InputError {
+    fault(path, is.to_owned(), "name another file to write")
+}
+
 fn fault(path: &Path, what: String, help: &str) -> InputError {
     InputError::new(ErrorCode::FileNotWritten, &name_of(path), 0, what, help)
 }

@@ -96,7 +96,7 @@ impl Opener {
         let mut opener = from.iter().find(|tool| tool.number == section.tool)?.clone();
         if own.is_empty() {
             let numbers = setup.tools.iter().map(|tool| tool.number);
-            opener.number = numbers.chain([tool.number]).max().unwrap_or(0) + 1;
+            opener.renumber(numbers.chain([tool.number]).max().unwrap_or(0) + 1);
         }
         section.tool = opener.number;
         let mut setup = Setup { tools: vec![opener.clone()], ..setup.clone() };

@@ -4,6 +4,21 @@ use crate::job::{PlanOutcome, PolicyResult};
 use crate::setup::Goal;
 use crate::verify::Summary;
 
+/// `count` with the word for one, or for several.
+pub fn counted(count: usize, one: &str, several: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
+}
+
+/// A text that begins with a capital letter, unless it begins with a name.
+pub fn as_sentence(text: String) -> String {
+    let word = text.split([' ', ',']).next().unwrap_or_default();
+    if word.is_empty() || !word.bytes().all(|byte| byte.is_ascii_lowercase()) {
+        return text;
+    }
+    let (first, rest) = text.split_at(1);
+    first.to_ascii_uppercase() + rest
+}
+
 /// Text for the number of channels of a program.
 pub fn channels_text(count: usize) -> String {
     if count == 1 { "one channel".to_owned() } else { format!("all {count} channels of the program") }

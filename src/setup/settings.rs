@@ -8,6 +8,7 @@ use super::cutting_data::CuttingData;
 use super::fault::{SetupFault, SetupPlace};
 use super::flank_settings::{FlankSetup, FlankStrategy};
 use super::plunge_settings::{AxisPolicy, Goal, PlungeSetup};
+use super::tool::shared_length_offsets;
 use super::{ClearanceSetup, Tool};
 use crate::error::ErrorCode;
 use crate::geometry::Vector;
@@ -65,6 +66,14 @@ impl AllowanceSetup {
     /// Says which of `tools` turn much faster than the cutting data for the material give, and how fast.
     pub fn too_fast<'t>(&self, tools: impl IntoIterator<Item = &'t Tool>) -> Option<String> {
         self.cutting_data()?.too_fast(tools)
+    }
+
+    /// What must be known of `tools` before they cut: those that turn too fast for the material, and those that
+    /// share a length offset.
+    pub fn tool_remarks<'t>(&self, tools: impl IntoIterator<Item = &'t Tool>) -> Vec<String> {
+        let tools: Vec<&Tool> = tools.into_iter().collect();
+        let too_fast = self.too_fast(tools.iter().copied());
+        too_fast.into_iter().chain(shared_length_offsets(&tools)).collect()
     }
 
     /// The tools of a `library`, whose rates are for steel, with those for the material; as they are where it

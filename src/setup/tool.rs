@@ -1,5 +1,7 @@
 //! Tools.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::assembly::{AssemblyPart, ClearanceSetup, MissingRates, ToolAssembly};
 use crate::geometry::{CutterSolid, Point, Vector};
 
@@ -156,6 +158,18 @@ impl Tool {
         self.assembly.length_offset.unwrap_or(self.number)
     }
 
+    /// Gives the tool another number. Offsets that had its former number get the new one: the former stays that
+    /// of another tool.
+    pub fn renumber(&mut self, number: u32) {
+        let ToolAssembly { length_offset, diameter_offset, .. } = &mut self.assembly;
+        for offset in [length_offset, diameter_offset].into_iter().flatten() {
+            if *offset == self.number {
+                *offset = number;
+            }
+        }
+        self.number = number;
+    }
+
     /// Largest diameter of the holder, mm; where none is given it is assumed to be twice the cutter's. The
     /// holder begins at the end of the overhang.
     pub fn holder_diameter(&self) -> f64 {
@@ -244,5 +258,52 @@ impl Tool {
         let across = normal - axis * normal.dot(axis);
         let outwards = across.try_normalize(1e-9).unwrap_or_else(Vector::zeros);
         contact + normal * corner + outwards * rim - axis * corner
+    }
+}
+/// Says which of `tools` have the same length offset, with which a control takes the length of one for that
+/// of another; `None` where none do. Offset 0 is none.
+pub fn shared_length_offsets(tools: &[&Tool]) -> Option<String> {
+    let mut numbers: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
+    for tool in tools {
+        numbers.entry(tool.length_offset_number()).or_default().insert(tool.number);
+    }
+    let shared = numbers.iter().filter(|(offset, tools)| **offset > 0 && tools.len() > 1);
+    let words = |(offset, tools): (&u32, &BTreeSet<u32>)| {
+        let tools: Vec<String> = tools.iter().map(|number| format!("T{number}")).collect();
+        format!("{} have the same length offset, H{offset}", tools.join(" and "))
+    };
+    let lines: Vec<String> = shared.map(words).collect();
+    (!lines.is_empty()).then(|| lines.join("; "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn offsets_follow_the_number_unless_they_differ_from_it_and_none_is_shared_unsaid() {
+        let mut tool = Tool {
+            number: 7,
+            diameter: 12.0,
+            corner_radius: 0.0,
+            insert_width: 4.0,
+            overhang: 60.0,
+            plunge_feed: 300.0,
+            spindle: 1200.0,
+            assembly: ToolAssembly::default(),
+        };
+        (tool.assembly.length_offset, tool.assembly.diameter_offset) = (Some(7), Some(57));
+        let other = tool.clone();
+        tool.renumber(9);
+        assert_eq!((tool.assembly.length_offset, tool.assembly.diameter_offset), (Some(9), Some(57)));
+        assert_eq!(shared_length_offsets(&[&tool, &other, &tool]), None);
+        tool.assembly.length_offset = Some(7);
+        let words = shared_length_offsets(&[&tool, &other, &tool]);
+        assert_eq!(words.as_deref(), Some("T7 and T9 have the same length offset, H7"));
+        let [a, b] = [tool, other].map(|mut tool| {
+            tool.assembly.length_offset = Some(0);
+            tool
+        });
+        assert_eq!(shared_length_offsets(&[&a, &b]), None, "0 cancels the offset");
     }
 }

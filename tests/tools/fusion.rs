@@ -191,11 +191,37 @@ fn a_fusion_library_that_is_written_to_keeps_what_vanecut_does_not_know() {
     assert_eq!((&tree["data"][3]["description"], &tree["version"]), (&json!("new 5"), &json!(36)));
     let again = read(&text);
     assert_eq!(shown(&again.tools[0].tool), shown(&library.tools[0].tool));
-    assert_eq!(again.tools.len(), 3, "and the old one with the number of the new one");
+    let numbers: Vec<u32> = again.tools.iter().map(|entry| entry.tool.number).collect();
+    assert_eq!(numbers, [3, 7, 8], "the old one keeps the number that the new one had, too");
     // Of an empty one nothing can be kept; a file of another kind is refused.
     let empty = merge_fusion("e.json", b"{\"data\": []}", &library).expect("writes");
     assert_eq!((empty.text, empty.added), (write_fusion(&library), 2));
     assert!(merge_fusion("e.json", b"{\"data\": 3}", &library).is_err());
+}
+
+/// A drill has its place in the magazine, too.
+#[test]
+fn no_tool_gets_the_number_of_one_that_is_left_out() {
+    let shop = with_tools(json!([
+        {"type": "flat end mill", "unit": "millimeters", "geometry": {"DC": 4}, "post-process": {"number": 9}},
+        {"type": "drill", "unit": "millimeters", "geometry": {"DC": 3}, "post-process": {"number": 10}},
+        {"type": "flat end mill", "unit": "millimeters", "geometry": {"DC": 6}}
+    ]));
+    let mut library = read(&shop);
+    let numbers =
+        |library: &ToolLibrary| -> Vec<u32> { library.tools.iter().map(|entry| entry.tool.number).collect() };
+    assert_eq!((numbers(&library), library.free_number()), (vec![9, 11], 12));
+    // From another library, which does not know the drill.
+    let mut other = (*library.tools[0]).clone();
+    other.tool.number = 10;
+    (other.tool.assembly.length_offset, other.tool.assembly.diameter_offset) = (Some(10), Some(210));
+    library = ToolLibrary { tools: vec![Arc::new(other)], ..ToolLibrary::default() };
+    let merged = merge_fusion("shop.json", shop.to_string().as_bytes(), &library).expect("merges");
+    assert_eq!(merged.notes, ["tool 10: another tool there has its number: it is tool 12"]);
+    let tree: Value = serde_json::from_str(&merged.text).expect("JSON");
+    let post = &tree["data"][3]["post-process"];
+    let keys = ["number", "length-offset", "diameter-offset"].map(|key| post[key].clone());
+    assert_eq!(keys, [json!(12), json!(12), json!(210)], "{}", merged.text);
 }
 
 /// What is not edited stays as it is written, in the entry that is edited, too.

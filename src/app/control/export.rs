@@ -190,8 +190,8 @@ impl App {
                 if let Some(project) = written.project {
                     self.note_saved(ctx, project);
                 }
-                if let Some((path, content)) = written.library {
-                    self.note_saved_library(ctx, path, content);
+                if let Some(content) = written.library {
+                    self.note_saved_library(ctx, written.file, content);
                 }
             }
             Outcome::Cancelled => self.note_cancelled_writing(),

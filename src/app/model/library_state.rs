@@ -61,7 +61,7 @@ mod tests {
         let tool = crate::io::tool_library::plunge_cutters()[0].clone();
         let entry = crate::io::shop_tools::LibraryTool { tool, notes: Vec::new() };
         let tools = std::iter::repeat_with(|| Arc::new(entry.clone())).take(3).collect();
-        let first = LibraryState::from(ToolLibrary { tools, notes: Vec::new() });
+        let first = LibraryState::from(ToolLibrary { tools, ..ToolLibrary::default() });
         let mut second = first.clone();
         assert!(first == second);
         second.edit(&[Some(&first)], |library| Arc::make_mut(&mut library.tools[1]).tool.number += 1);

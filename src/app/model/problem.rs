@@ -6,6 +6,7 @@ use crate::error::ErrorCode;
 use crate::gpu::GpuError;
 use crate::io::InputError;
 use crate::io::setup_file::SetupEntryFault;
+use crate::report::words::as_sentence;
 
 /// What a problem is about; decides what solves and replaces it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,16 +145,6 @@ impl From<&InputError> for Problem {
         };
         Self::new(message, error.help.clone()).with_code(error.code)
     }
-}
-
-/// A text that begins with a capital letter, unless it begins with a name.
-pub fn as_sentence(text: String) -> String {
-    let word = text.split([' ', ',']).next().unwrap_or_default();
-    if word.is_empty() || !word.bytes().all(|byte| byte.is_ascii_lowercase()) {
-        return text;
-    }
-    let (first, rest) = text.split_at(1);
-    first.to_ascii_uppercase() + rest
 }
 
 /// A text without the signs of Markdown that messages of files have for the command line.

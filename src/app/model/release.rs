@@ -8,9 +8,9 @@ use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent, policy_la
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::flank_skips::skipped_length;
 use crate::app::model::look::Operation;
-use crate::app::model::problem::as_sentence;
 use crate::app::model::state::AppState;
 use crate::app::model::verdict::uncut_words;
+use crate::report::words::{as_sentence, counted};
 use crate::verify::Fault;
 
 const STALE: &str = "The setup was edited after this calculation";
@@ -111,7 +111,8 @@ fn plunge_concerns(state: &AppState, each: &str) -> Vec<String> {
     if beyond > 0 {
         found.push(format!("{beyond} tool axes{each} are beyond the reach of the machine"));
     }
-    found.extend(allowances.too_fast(plan.sections.iter().map(|section| &section.tool)).map(as_sentence));
+    let tools = plan.sections.iter().map(|section| &section.tool);
+    found.extend(allowances.tool_remarks(tools).into_iter().map(as_sentence));
     if state.out_of_date() {
         found.push(STALE.to_owned());
     }
@@ -143,8 +144,7 @@ pub fn fault_lines(faults: &[Fault]) -> Vec<String> {
     let mut lines: Vec<String> = faults.iter().take(3).map(line).collect();
     match faults.len() - lines.len() {
         0 => {}
-        1 => lines.push("1 more fault".to_owned()),
-        more => lines.push(format!("{more} more faults")),
+        more => lines.push(counted(more, "more fault", "more faults")),
     }
     lines
 }
@@ -156,7 +156,8 @@ fn flank_concerns(state: &AppState, each: &str) -> Vec<String> {
         found.push("The program could not be verified".to_owned());
     }
     found.extend(outcome.verdict.iter().flat_map(uncut_words).map(|[_, full]| full));
-    found.extend(outcome.setup.allowances.too_fast(outcome.plan.tools()).map(as_sentence));
+    let allowances = &outcome.setup.allowances;
+    found.extend(allowances.tool_remarks(outcome.plan.tools()).into_iter().map(as_sentence));
     if state.flank_is_stale() {
         found.push(STALE.to_owned());
     }

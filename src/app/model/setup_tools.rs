@@ -109,13 +109,13 @@ pub fn renumber(setup: &mut Setup, was: u32, is: u32) -> bool {
     if setup.tools.iter().any(|tool| tool.number == is) {
         return was == is;
     }
+    setup.tools.iter_mut().filter(|tool| tool.number == was).for_each(|tool| tool.renumber(is));
     let named = setup.plunge.sections.iter_mut().map(|section| &mut section.tool);
     let locks = setup.plunge.edits.iter_mut().filter_map(|edit| match &mut edit.change {
         PlungeChange::Lock { tool, .. } => Some(tool),
         _ => None,
     });
-    let tools = setup.tools.iter_mut().map(|tool| &mut tool.number);
-    let all = named.chain(locks).chain(tools).chain(setup.flank.tool.as_mut());
+    let all = named.chain(locks).chain(setup.flank.tool.as_mut());
     all.filter(|number| **number == was).for_each(|number| *number = is);
     true
 }

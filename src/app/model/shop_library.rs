@@ -91,7 +91,7 @@ impl Default for ShopLibrary {
     fn default() -> Self {
         let own = plunge_cutters().iter().chain(flank_cutters());
         let entry = |tool: &Tool| Arc::new(LibraryTool { tool: tool.clone(), notes: Vec::new() });
-        Self::new(None, ToolLibrary { tools: own.map(entry).collect(), notes: Vec::new() })
+        Self::new(None, ToolLibrary { tools: own.map(entry).collect(), ..ToolLibrary::default() })
     }
 }
 
@@ -192,14 +192,15 @@ impl ShopLibrary {
         self.found = None;
     }
 
-    /// Adds a copy of tool `index` under a number of its own, and selects it.
+    /// Adds a copy of tool `index` under a number and offsets of its own, and selects it.
     pub fn copy(&mut self, index: usize) {
         let Some(mut copy) = self.content.tools.get(index).map(|entry| LibraryTool::clone(entry)) else {
             return;
         };
         self.history.add(&self.content);
-        let numbers = self.content.tools.iter().map(|entry| entry.tool.number);
-        copy.tool.number = numbers.max().unwrap_or(0) + 1;
+        copy.tool.number = self.content.free_number();
+        // Those of the other tool, whatever they are; without them the number of the tool counts.
+        (copy.tool.assembly.length_offset, copy.tool.assembly.diameter_offset) = (None, None);
         self.edit(|library| library.tools.push(Arc::new(copy)));
         self.selected = Some(self.content.tools.len() - 1);
         self.history.add(&self.content);
@@ -260,9 +261,10 @@ impl ShopLibrary {
         }
         let taken = |number: u32| setup.tools.iter().any(|known| known.number == number);
         if tool.number == 0 || taken(tool.number) {
-            let own: HashSet<u32> = self.content.tools.iter().map(|entry| entry.tool.number).collect();
+            let own = self.content.tools.iter().map(|entry| entry.tool.number);
+            let own: HashSet<u32> = own.chain(self.content.other_numbers.iter().copied()).collect();
             let last = setup.tools.iter().map(|known| known.number).max().unwrap_or(0);
-            tool.number = (last + 1..).find(|number| !own.contains(number)).unwrap_or(last + 1);
+            tool.renumber((last + 1..).find(|number| !own.contains(number)).unwrap_or(last + 1));
         }
         let number = tool.number;
         setup.tools.push(tool);
@@ -403,6 +405,28 @@ mod tests {
         library.search = "t1 ".to_owned();
         let few = library.shown(DisplayUnits::Metric).len();
         assert!(few > 0 && few < all);
+    }
+
+    #[test]
+    fn a_copy_has_a_free_number_and_no_offset_of_its_original() {
+        let mut library = ShopLibrary::default();
+        let last = library.content().tools.iter().map(|entry| entry.tool.number).max().expect("tools");
+        library.edit(|library| {
+            library.other_numbers.insert(last + 1);
+            Arc::make_mut(&mut library.tools[0]).tool.assembly.length_offset = Some(107);
+        });
+        library.copy(0);
+        let copy = &library.content().tools.last().expect("a copy").tool;
+        assert_eq!((copy.number, copy.length_offset_number()), (last + 2, last + 2));
+        // So has one that a setup takes beside another tool of its number.
+        let mut own = library.content().tools[1].tool.clone();
+        own.assembly.length_offset = Some(own.number);
+        library.replace(1, own.clone());
+        library.selected = Some(1);
+        let mut setup = Setup { tools: vec![Tool { overhang: 33.0, ..own.clone() }], ..Setup::default() };
+        let taken = library.take_into(&mut setup).expect("a tool");
+        assert_eq!(setup.tools[1].length_offset_number(), taken);
+        assert_ne!(taken, own.number);
     }
 
     #[test]

@@ -3,16 +3,11 @@
 use crate::job::PolicyResult;
 use crate::job::flank::FlankOutcome;
 use crate::plunge::Condition;
-use crate::report::words::NOT_ON_MACHINE;
+use crate::report::words::{NOT_ON_MACHINE, counted};
 use crate::verify::FlankVerdict;
 
 use super::figures::{MAX_GOOD_UNCUT_SHARE, format_percent};
 use super::state::AppState;
-
-/// `count` with the word for one, or for several.
-fn counted(count: usize, one: &str, several: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { several })
-}
 
 /// Number of faults of an operation, in words.
 pub fn count_faults(count: usize) -> String {

@@ -185,8 +185,8 @@ pub struct Written {
     pub text: String,
     /// A project that was written; `None` for other files.
     pub project: Option<WrittenProject>,
-    /// Path and content of a tool library; `None` for other files.
-    pub library: Option<(PathBuf, LibraryState)>,
+    /// Content of a tool library; `None` for other files.
+    pub library: Option<LibraryState>,
     /// What plan a program is of, and its file; `None` for other files.
     pub program: Option<(ProgramPlan, ProgramFile)>,
 }
@@ -366,7 +366,9 @@ fn write_file(task: &WriteTask, purpose: Purpose, monitor: &Monitor) -> Result<W
         WriteTask::Library(path, library) => {
             let is_fusion = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
             let text = if is_fusion {
-                fusion_for(path, library)?.text
+                let merged = fusion_for(path, library)?;
+                about = merged.notes.iter().map(|note| format!("; {note}")).collect();
+                merged.text
             } else {
                 check_replaced_library(path)?;
                 write_toml(library)
@@ -418,7 +420,7 @@ fn write_file(task: &WriteTask, purpose: Purpose, monitor: &Monitor) -> Result<W
         _ => None,
     };
     let library = match task {
-        WriteTask::Library(path, library) => Some((path.clone(), library.clone())),
+        WriteTask::Library(_, library) => Some(library.clone()),
         _ => None,
     };
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();

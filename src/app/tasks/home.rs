@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::io::InputError;
 use crate::io::hash::{FNV_START, fnv1a};
-use crate::io::project_file::{EXTENSION, PartLocation, read_project};
+use crate::io::project_file::{EXTENSION, PartLocation, Project, read_project};
 use crate::io::shop_tools::{LibraryFormat, ToolLibrary, read_library, write_toml};
 use crate::io::source::{one_name_of, read_bytes};
 use crate::io::write::write_atomically;
@@ -192,15 +192,14 @@ impl Home {
     /// Recovery copies of other sessions that ended without closing, with what a user knows them by, latest
     /// first.
     pub fn recoverable(&self) -> Vec<RecoveryCopy> {
-        let copies = self.recovery_copies();
-        let known: Vec<RecoveryCopy> = copies.iter().map(|path| recovery_copy(path, Age::InWords)).collect();
-        let is_one_of_several =
-            |copy: &RecoveryCopy| known.iter().filter(|other| other.title == copy.title).count() > 1;
-        let distinct = |copy: &RecoveryCopy| match is_one_of_several(copy) {
-            true => recovery_copy(&copy.path, Age::ToTheSecond),
-            false => copy.clone(),
-        };
-        known.iter().map(distinct).collect()
+        let copies: Vec<LeftCopy> = self.recovery_copies().into_iter().map(LeftCopy::read).collect();
+        let titles: Vec<String> = copies.iter().map(|copy| copy.title(Age::InWords)).collect();
+        let is_one_of_several = |title: &String| titles.iter().filter(|other| *other == title).count() > 1;
+        let exactness = titles.iter().map(|title| match is_one_of_several(title) {
+            true => Age::ToTheSecond,
+            false => Age::InWords,
+        });
+        copies.iter().zip(exactness).map(|(copy, exactness)| copy.offered(exactness)).collect()
     }
 
     /// Whether the session of another recovery copy runs. One that was killed runs, too, until the system has
@@ -322,25 +321,47 @@ enum Age {
     ToTheSecond,
 }
 
-/// The recovery copy at `path`, with what a user knows it by.
-fn recovery_copy(path: &Path, exactness: Age) -> RecoveryCopy {
-    let project = read_project(path).ok();
-    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let name = project.as_ref().map_or_else(
-        || stem(path),
-        |project| match (&project.original, &project.part) {
-            (Some(original), _) => stem(original),
-            (None, PartLocation::Sample(name)) => name.clone(),
-            (None, PartLocation::File(file) | PartLocation::Mesh { file, .. }) => stem(file),
-        },
-    );
-    let age = std::fs::metadata(path).ok().and_then(|data| data.modified().ok()?.elapsed().ok());
-    let title = format!("{name}, {}", age_in_words(age.unwrap_or_default(), exactness));
-    let part = project.as_ref().and_then(|project| match &project.part {
-        PartLocation::File(file) | PartLocation::Mesh { file, .. } => Some(file.clone()),
-        PartLocation::Sample(_) => None,
-    });
-    RecoveryCopy { path: path.to_owned(), title, project: project.and_then(|project| project.original), part }
+/// What is read of a recovery copy.
+struct LeftCopy {
+    path: PathBuf,
+    /// Of its project, or else its part.
+    name: String,
+    /// Time since it was written.
+    age: Duration,
+    /// File of its project, if that has one.
+    project: Option<PathBuf>,
+    /// File of its part; `None` for samples.
+    part: Option<PathBuf>,
+}
+
+impl LeftCopy {
+    /// Reads the copy at `path`; one that cannot be read is known by its own name.
+    fn read(path: PathBuf) -> Self {
+        let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let age = std::fs::metadata(&path).ok().and_then(|data| data.modified().ok()?.elapsed().ok());
+        let (name, project, part) = match read_project(&path) {
+            Err(_) => (stem(&path), None, None),
+            Ok(Project { original, part, .. }) => {
+                let (part_name, part) = match part {
+                    PartLocation::Sample(name) => (name, None),
+                    PartLocation::File(file) | PartLocation::Mesh { file, .. } => (stem(&file), Some(file)),
+                };
+                (original.as_deref().map_or(part_name, stem), original, part)
+            }
+        };
+        Self { path, name, age: age.unwrap_or_default(), project, part }
+    }
+
+    /// What a user knows it by.
+    fn title(&self, exactness: Age) -> String {
+        format!("{}, {}", self.name, age_in_words(self.age, exactness))
+    }
+
+    fn offered(&self, exactness: Age) -> RecoveryCopy {
+        let Self { path, project, part, .. } = self;
+        let (path, project, part) = (path.clone(), project.clone(), part.clone());
+        RecoveryCopy { path, title: self.title(exactness), project, part }
+    }
 }
 
 fn age_in_words(age: Duration, exactness: Age) -> String {

@@ -195,11 +195,15 @@ pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result
         };
         match read() {
             Ok(ToolBit::Mill(tool)) => library.tools.push(Arc::new(*tool)),
-            Ok(ToolBit::Other(shown, why)) => left_out.add(shown, why),
+            Ok(ToolBit::Other(shown, why)) => {
+                library.other_numbers.extend(number);
+                left_out.add(shown, why);
+            }
             Err(error) => {
                 let of_file = file.filter(|_| number.is_some());
                 let of_file =
                     of_file.map_or_else(String::new, |file| format!(", {},", quote_for_message(file)));
+                library.other_numbers.extend(number);
                 left_out.add(shown + &of_file, error.message.clone());
                 refused.get_or_insert(error);
             }

@@ -4,6 +4,7 @@
 //! Segments run from the cutter or the collet towards the spindle. Segments of a holder beyond its gauge
 //! length are in the spindle and are left out. An expression prevails over the number beside it.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -46,8 +47,16 @@ const BALLS: [&str; 2] = ["ball end mill", "lollipop mill"];
 enum FusionEntry {
     Mill(Box<LibraryTool>),
     Holder,
-    /// Neither, or one that cannot be taken over: why; and whether it is a mill.
-    Other(String, String, bool),
+    /// Neither, or one that cannot be taken over.
+    Other(OtherEntry),
+}
+
+/// An entry that is left out.
+struct OtherEntry {
+    shown: String,
+    why: String,
+    is_mill: bool,
+    number: Option<u32>,
 }
 
 /// Reads a library.
@@ -74,7 +83,8 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> 
         match found {
             FusionEntry::Mill(tool) => library.tools.push(Arc::new(*tool)),
             FusionEntry::Holder => holders += 1,
-            FusionEntry::Other(shown, why, is_mill) => {
+            FusionEntry::Other(OtherEntry { shown, why, is_mill, number }) => {
+                library.other_numbers.extend(number);
                 if is_mill {
                     refused
                         .get_or_insert_with(|| fault(format!("{shown}: {why}"), "correct it in the library"));
@@ -97,42 +107,54 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> 
     Ok(library)
 }
 
-/// The mills among the texts of entries, by index, as [`read`] numbers them.
-pub(super) fn mills_of_entries(entries: &[&str]) -> Vec<(usize, LibraryTool)> {
+/// The mills among the texts of entries, by index, as [`read`] numbers them, and the numbers of all tools.
+pub(super) fn mills_of_entries(entries: &[&str]) -> (Vec<(usize, LibraryTool)>, BTreeSet<u32>) {
     let found: Vec<FusionEntry> = entries.par_iter().enumerate().map(entry).collect();
     let mut library = ToolLibrary::default();
     let mut indices = Vec::new();
     for (index, found) in found.into_iter().enumerate() {
-        if let FusionEntry::Mill(tool) = found {
-            library.tools.push(Arc::new(*tool));
-            indices.push(index);
+        match found {
+            FusionEntry::Mill(tool) => {
+                library.tools.push(Arc::new(*tool));
+                indices.push(index);
+            }
+            FusionEntry::Other(other) => library.other_numbers.extend(other.number),
+            FusionEntry::Holder => {}
         }
     }
     number_tools(&mut library);
     round_lengths(&mut library);
+    let mut numbers = library.other_numbers;
+    numbers.extend(library.tools.iter().map(|entry| entry.tool.number));
     let tools = library.tools.into_iter().map(Arc::unwrap_or_clone);
-    indices.into_iter().zip(tools).collect()
+    (indices.into_iter().zip(tools).collect(), numbers)
 }
 
 /// Reads the text of the entry at an index.
 fn entry((index, text): (usize, &&str)) -> FusionEntry {
-    let number = index + 1;
+    let place = index + 1;
+    let unreadable = |why: String| {
+        FusionEntry::Other(OtherEntry { shown: format!("entry {place}"), why, is_mill: true, number: None })
+    };
     let tree = match tool_tree(text) {
         Ok(tree) if tree.is_object() => tree,
-        Ok(_) => return FusionEntry::Other(format!("entry {number}"), "it is not a tool".to_owned(), true),
-        Err(why) => return FusionEntry::Other(format!("entry {number}"), why, true),
+        Ok(_) => return unreadable("it is not a tool".to_owned()),
+        Err(why) => return unreadable(why),
     };
     let kind = string(&tree, "type").unwrap_or_default();
-    let shown = shown(&tree, number);
+    let other = |why: String, is_mill: bool| {
+        let number = post_number(&tree, "number").filter(|number| *number > 0);
+        FusionEntry::Other(OtherEntry { shown: shown(&tree, place), why, is_mill, number })
+    };
     let Some((_, insert)) = MILLS.iter().find(|(mill, _)| *mill == kind) else {
         if kind == "holder" {
             return FusionEntry::Holder;
         }
-        return FusionEntry::Other(shown, format!("{} is not a mill", quote_for_message(kind)), false);
+        return other(format!("{} is not a mill", quote_for_message(kind)), false);
     };
     match mill(&tree, kind, *insert).and_then(|tool| check_tool(&tool).map(|()| tool)) {
         Ok(tool) => FusionEntry::Mill(Box::new(tool)),
-        Err(why) => FusionEntry::Other(shown, why, true),
+        Err(why) => other(why, true),
     }
 }
 
@@ -142,6 +164,12 @@ fn shown(entry: &Value, place: usize) -> String {
     let what = number.map_or_else(|| format!("entry {place}"), |number| format!("tool {number}"));
     let name = string(entry, "description").map(str::trim).filter(|name| !name.is_empty());
     name.map_or(what.clone(), |name| format!("{what} ({})", quote_for_message(name)))
+}
+
+/// A number of the tool in programs, up to [`MAX_NUMBER`].
+fn post_number(entry: &Value, key: &str) -> Option<u32> {
+    let value = entry.get("post-process")?.get(key)?.as_u64()?;
+    u32::try_from(value).ok().filter(|value| *value <= MAX_NUMBER)
 }
 
 fn string<'v>(value: &'v Value, key: &str) -> Option<&'v str> {
@@ -265,18 +293,13 @@ fn mill(entry: &Value, kind: &str, insert: AssumedInsert) -> Result<LibraryTool,
         Some(holder) => read_holder(holder, holder_unit_mm(holder, geometry, mm)?, &mut notes)?,
         None => Vec::new(),
     };
-    let post = entry.get("post-process");
-    let whole = |key: &str, most: u32| -> Option<u32> {
-        let value = post.and_then(|post| post.get(key)).and_then(Value::as_u64)?;
-        u32::try_from(value).ok().filter(|value| *value <= most)
-    };
     let teeth = expressions.number_of("tool_numberOfFlutes");
     let teeth = teeth.filter(|n| (1.0..=f64::from(MAX_TEETH)).contains(n)).map(|n| n as u32);
     let preset = preset_of(entry, mm, &expressions, &mut notes)?;
     let missing_rates =
         MissingRates { plunge_feed: preset.plunge_feed.is_none(), spindle: preset.spindle.is_none() };
     let tool = Tool {
-        number: whole("number", MAX_NUMBER).unwrap_or(0),
+        number: post_number(entry, "number").unwrap_or(0),
         diameter,
         corner_radius: corner,
         insert_width,
@@ -292,8 +315,8 @@ fn mill(entry: &Value, kind: &str, insert: AssumedInsert) -> Result<LibraryTool,
             taper_rad: taper.map(f64::to_radians),
             shank,
             holder,
-            length_offset: whole("length-offset", MAX_NUMBER),
-            diameter_offset: whole("diameter-offset", MAX_NUMBER),
+            length_offset: post_number(entry, "length-offset"),
+            diameter_offset: post_number(entry, "diameter-offset"),
             feed_per_tooth: preset.feed_per_tooth,
             cutting_speed: preset.cutting_speed,
             missing_rates,

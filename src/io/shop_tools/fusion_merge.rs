@@ -1,11 +1,14 @@
 //! Writing tools into a Fusion library that exists: what Vanecut does not know of it stays, byte for byte.
 
+use std::collections::BTreeSet;
+
 use serde_json::{Value, json};
 
 use super::fusion::mills_of_entries;
 use super::fusion_units::unit_mm;
 use super::fusion_write::{entry_of, write_fusion};
 use super::json::{elements, json_text, tool_tree, with_values};
+use super::library::move_tool;
 use super::{LibraryTool, ToolLibrary};
 use crate::error::ErrorCode;
 use crate::io::InputError;
@@ -34,7 +37,8 @@ pub struct MergedLibrary {
 ///
 /// The entry of a tool is the mill with its number and name, or the only one with its number and diameter. In
 /// it the values that differ are replaced, in its own unit; the rest of it stays as it is written. A tool
-/// without an entry is added at the end. No entry is removed.
+/// without an entry is added at the end, under a free number where another tool there has its own, drills too:
+/// `notes` name it. No entry is removed.
 ///
 /// # Errors
 /// When `existing` is not a Fusion library.
@@ -49,13 +53,20 @@ pub fn merge_fusion(name: &str, existing: &[u8], library: &ToolLibrary) -> Resul
         let added = library.tools.len();
         return Ok(MergedLibrary { text: write_fusion(library), added, ..MergedLibrary::default() });
     }
-    let mills = mills_of_entries(&entries);
+    let (mills, there) = mills_of_entries(&entries);
+    let own = library.tools.iter().map(|entry| entry.tool.number);
+    let mut numbers: BTreeSet<u32> = there.iter().copied().chain(own).collect();
+    let mut notes = Vec::new();
     let mut replaced: Vec<Option<String>> = vec![None; entries.len()];
     let mut added = Vec::new();
     let mut is_taken = vec![false; entries.len()];
     for tool in library.tools.iter().map(|tool| &**tool) {
         let Some((index, known)) = entry_for(tool, &mills).filter(|(index, _)| !is_taken[*index]) else {
-            added.push(entry_of(tool));
+            let mut tool = tool.clone();
+            if there.contains(&tool.tool.number) {
+                notes.push(move_tool(&mut tool, &mut numbers));
+            }
+            added.push(entry_of(&tool));
             continue;
         };
         is_taken[index] = true;
@@ -71,7 +82,7 @@ pub fn merge_fusion(name: &str, existing: &[u8], library: &ToolLibrary) -> Resul
     let added = added.iter().map(|entry| serde_json::to_string_pretty(entry).unwrap_or_default());
     let text = spliced(text, &entries, &replaced, &added.collect::<Vec<_>>())
         .ok_or_else(|| fault("cannot be changed".to_owned()))?;
-    Ok(MergedLibrary { text, changed: counts.0, added: counts.1, kept: counts.2, notes: Vec::new() })
+    Ok(MergedLibrary { text, changed: counts.0, added: counts.1, kept: counts.2, notes })
 }
 
 /// `text` with some of its `entries` replaced, and others added after the last one; `None` where they are not

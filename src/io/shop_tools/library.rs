@@ -1,5 +1,6 @@
 //! A library of tools that was read, and what all readers do with its entries.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::left_out;
@@ -7,7 +8,7 @@ use crate::error::ErrorCode;
 use crate::geometry::without_conversion_error;
 use crate::io::InputError;
 use crate::io::source::Source;
-use crate::io::tool_file::{MAX_NAME, MAX_TOOLS, WrittenRates, read_tools_bytes, write_tool};
+use crate::io::tool_file::{MAX_NAME, MAX_NUMBER, MAX_TOOLS, WrittenRates, read_tools_bytes, write_tool};
 use crate::setup::Tool;
 use crate::setup::cutting_data::fill_rates;
 
@@ -31,6 +32,8 @@ pub struct ToolLibrary {
     pub tools: Vec<Arc<LibraryTool>>,
     /// Entries that are not mills, and other remarks on the whole.
     pub notes: Vec<String>,
+    /// Numbers of the tools that are left out.
+    pub other_numbers: BTreeSet<u32>,
 }
 
 impl PartialEq for ToolLibrary {
@@ -39,11 +42,18 @@ impl PartialEq for ToolLibrary {
         let same = |(a, b): (&Arc<LibraryTool>, &Arc<LibraryTool>)| Arc::ptr_eq(a, b) || a == b;
         self.tools.len() == other.tools.len()
             && self.tools.iter().zip(&other.tools).all(same)
-            && self.notes == other.notes
+            && (&self.notes, &self.other_numbers) == (&other.notes, &other.other_numbers)
     }
 }
 
 impl ToolLibrary {
+    /// The least number above those of all tools, those that are left out too; where none is left there, the
+    /// least free one.
+    pub fn free_number(&self) -> u32 {
+        let own = self.tools.iter().map(|entry| entry.tool.number);
+        free_number(&own.chain(self.other_numbers.iter().copied()).collect())
+    }
+
     /// All remarks on tools and on the whole, few lines also for thousands of tools.
     pub fn remarks(&self) -> Vec<String> {
         let remarks = self.tools.iter().flat_map(|entry| {
@@ -76,22 +86,40 @@ pub(super) fn round_lengths(library: &mut ToolLibrary) {
     }
 }
 
-/// Puts tools under numbers of their own: a tool without one, or with one that is taken, gets the least free
-/// one above all given ones.
+/// The least number above the `taken` ones; where that is too large, the least free one.
+pub(super) fn free_number(taken: &BTreeSet<u32>) -> u32 {
+    let above = taken.last().map_or(1, |last| last.saturating_add(1));
+    if above <= MAX_NUMBER {
+        return above;
+    }
+    (1..=MAX_NUMBER).find(|number| !taken.contains(number)).unwrap_or(MAX_NUMBER)
+}
+
+/// Puts tools under numbers of their own: a tool without one, or with one that is taken, gets a free one.
 pub(super) fn number_tools(library: &mut ToolLibrary) {
-    let mut taken = std::collections::BTreeSet::new();
-    let mut next = library.tools.iter().map(|t| t.tool.number).max().unwrap_or(0);
+    let given = library.tools.iter().map(|entry| entry.tool.number);
+    let mut given: BTreeSet<u32> = given.chain(library.other_numbers.iter().copied()).collect();
+    let mut taken = BTreeSet::new();
     for LibraryTool { tool, notes, .. } in library.tools.iter_mut().map(Arc::make_mut) {
         if tool.number == 0 || !taken.insert(tool.number) {
-            next += 1;
             notes.push(match tool.number {
                 0 => "no number in the library: a free one given".to_owned(),
                 _ => "its number is taken by another tool: a free one given".to_owned(),
             });
-            tool.number = next;
-            taken.insert(next);
+            tool.renumber(free_number(&given));
+            given.insert(tool.number);
+            taken.insert(tool.number);
         }
     }
+}
+
+/// Gives a tool, whose number another tool of a file has, one that is not among the `taken` ones, and takes
+/// it; returns a note that says so.
+pub(super) fn move_tool(entry: &mut LibraryTool, taken: &mut BTreeSet<u32>) -> String {
+    let (was, free) = (entry.tool.number, free_number(taken));
+    taken.insert(free);
+    entry.tool.renumber(free);
+    format!("tool {was}: another tool there has its number: it is tool {free}")
 }
 
 /// A description cut to the length of a name; `None` when it is empty.

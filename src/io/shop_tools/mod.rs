@@ -24,6 +24,7 @@ use std::sync::Arc;
 use super::InputError;
 use super::source::{Source, name_of, read_bytes_up_to};
 use super::tool_file::read_tools_bytes;
+use super::write::not_replaced;
 use crate::error::ErrorCode;
 use freecad::ToolBit;
 pub use fusion_merge::{MergedLibrary, merge_fusion};
@@ -145,12 +146,12 @@ pub fn read_library_bytes(
         LibraryFormat::Toml => {
             let tools = read_tools_bytes(name, bytes)?.into_iter();
             let tools = tools.map(|tool| Arc::new(LibraryTool { tool, notes: Vec::new() }));
-            Ok(ToolLibrary { tools: tools.collect(), notes: Vec::new() })
+            Ok(ToolLibrary { tools: tools.collect(), ..ToolLibrary::default() })
         }
         LibraryFormat::FusionJson => fusion::read(name, bytes),
         LibraryFormat::FusionTools => fusion::read(name, &zip::json_member(name, bytes)?),
         LibraryFormat::FreeCadBit => match freecad::read_bit(name, bytes, None)? {
-            ToolBit::Mill(tool) => Ok(ToolLibrary { tools: vec![Arc::new(*tool)], notes: Vec::new() }),
+            ToolBit::Mill(tool) => Ok(ToolLibrary { tools: vec![Arc::new(*tool)], ..ToolLibrary::default() }),
             ToolBit::Other(shown, why) => {
                 let what = format!("contains no mill: {shown}: {why}");
                 Err(Source::new(name, ErrorCode::ToolFile).fault(0, what, "give an end mill"))
@@ -201,8 +202,7 @@ pub fn check_replaced_library(path: &Path) -> Result<(), InputError> {
     if is_absent(path) || read_bytes_up_to(path, MAX_LIBRARY_BYTES).is_ok_and(is_library) {
         return Ok(());
     }
-    let name = name_of(path);
-    Err(Source::new(&name, ErrorCode::FileNotWritten).fault(0, what, "name another file to write"))
+    Err(not_replaced(path, what))
 }
 
 /// Whether the file at `path` is missing or empty.

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::fusion_merge::MergedLibrary;
+use super::library::move_tool;
 use super::toml_write::write_toml;
 use super::{LibraryTool, ToolLibrary};
 use crate::error::ErrorCode;
@@ -51,14 +52,11 @@ pub fn merge_toml(name: &str, existing: &[u8], library: &ToolLibrary) -> Result<
             continue;
         };
         if !is_same(&known[index], &entry.tool) {
-            let free = numbers.last().map_or(1, |last| last + 1);
-            numbers.insert(free);
             let mut moved = LibraryTool::clone(entry);
-            moved.tool.number = free;
-            merged.notes.push(format!("tool {number}: another tool there has its number: it is tool {free}"));
+            merged.notes.push(move_tool(&mut moved, &mut numbers));
             added.tools.push(moved.into());
         } else if known[index] != entry.tool {
-            let one = ToolLibrary { tools: vec![entry.clone()], notes: Vec::new() };
+            let one = ToolLibrary { tools: vec![entry.clone()], ..ToolLibrary::default() };
             let tool = blocks.iter_mut().filter(|block| block.starts_with_header()).nth(index);
             if let Some(block) = tool {
                 block.tool = write_toml(&one);
@@ -129,7 +127,7 @@ mod tests {
     fn library(text: &str) -> ToolLibrary {
         let tools = read_tools_bytes("new.toml", text.as_bytes()).expect("a library").into_iter();
         let entry = |tool| LibraryTool { tool, notes: Vec::new() }.into();
-        ToolLibrary { tools: tools.map(entry).collect(), notes: Vec::new() }
+        ToolLibrary { tools: tools.map(entry).collect(), ..ToolLibrary::default() }
     }
 
     #[test]

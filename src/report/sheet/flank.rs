@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::{
     MAX_FAULTS, ProgramFile, SheetPart, faults_text, heading_of, on_machine_text, page, program_files,
-    tool_card, warning_list,
+    tool_card, tool_warnings, warning_list,
 };
 use crate::flank::UncutLength;
 use crate::flank::choice::overhang_note;
@@ -101,6 +101,7 @@ fn warnings(input: &FlankSheetInput) -> String {
     if let Some(note) = overhang_note(&plan.tool, &plan.uncut, &outcome.workpiece.part) {
         found.push(format!("T{}: {note}.", plan.tool.number));
     }
+    found.extend(tool_warnings(&outcome.setup, plan.tools()));
     let assumed = tools(outcome).into_iter().filter(|(tool, _)| tool.assembly.holder.is_empty());
     let mut assumed: Vec<u32> = assumed.map(|(tool, _)| tool.number).collect();
     assumed.sort_unstable();

@@ -8,7 +8,9 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::html::escaped;
-use super::words::{channels_text, clearances_text, finishing_text, minutes, minutes_text, tool_loads_text};
+use super::words::{
+    as_sentence, channels_text, clearances_text, finishing_text, minutes, minutes_text, tool_loads_text,
+};
 use super::{PagePicture, ReportPage};
 use crate::job::{PlanOutcome, PolicyResult, Summary};
 use crate::machine::{MachineTool, SectionTime};
@@ -186,6 +188,8 @@ fn warnings_text(input: &SheetInput) -> String {
     if uncut >= 0.05 {
         warnings.push(format!("{uncut:.1} % of the reachable floor stays uncut."));
     }
+    let cutting = plan.sections.iter().filter(|section| section.is_cut()).map(|section| &section.tool);
+    warnings.extend(tool_warnings(&input.outcome.setup, cutting));
     let unknown = plan.sections.iter().filter(|s| s.is_cut() && s.tool.assembly.holder.is_empty());
     let unchecked = |tool: &Tool| match tool.assembly.is_empty() {
         true => format!("Shank and holder of tool {} are unknown and were not checked.", tool.number),
@@ -197,6 +201,12 @@ fn warnings_text(input: &SheetInput) -> String {
     unchecked.dedup();
     warnings.extend(unchecked.into_iter().map(|(_, text)| text));
     warning_list(warnings)
+}
+
+/// What must be known of the `tools` of a program before it runs.
+fn tool_warnings<'t>(setup: &Setup, tools: impl Iterator<Item = &'t Tool>) -> Vec<String> {
+    let remarks = setup.allowances.tool_remarks(tools).into_iter();
+    remarks.map(|remark| format!("{}.", as_sentence(remark))).collect()
 }
 
 /// Edits by hand that the program does not contain, each with its reason.
@@ -392,6 +402,21 @@ fn policies_text(outcome: &PlanOutcome) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::tool_library::plunge_cutters;
+
+    #[test]
+    fn a_tool_that_turns_too_fast_and_a_shared_offset_stand_before_the_program() {
+        let mut tools = plunge_cutters()[..2].to_vec();
+        for tool in &mut tools {
+            tool.assembly.length_offset = Some(5);
+        }
+        let mut setup = Setup::default();
+        setup.allowances.material = Some("nickel".to_owned());
+        let warnings = tool_warnings(&setup, tools.iter());
+        let [fast, offset] = &warnings[..] else { panic!("{warnings:?}") };
+        assert!(fast.starts_with("Much faster than the 30 m/min for nickel: T"), "{fast}");
+        assert!(offset.ends_with(" have the same length offset, H5."), "{offset}");
+    }
 
     #[test]
     fn a_heading_stands_over_pictures_only() {

@@ -10,13 +10,13 @@ use egui::{Button, Color32, Event, Key, Modal, Modifiers, RichText, TextEdit, Ui
 
 use super::ReplacedCheck;
 use crate::app::model::file_purpose::Purpose;
-use crate::app::model::problem::as_sentence;
 use crate::app::tasks::Repaint;
 use crate::app::tasks::latest::Latest;
 use crate::app::views::modal::{self, is_dismissed};
 use crate::app::views::scroll_area;
 use crate::app::views::theme::{self, Condition};
 use crate::io::shop_tools::is_fusion_library;
+use crate::report::words::as_sentence;
 
 /// Maximum number of entries of a folder that are listed.
 const MAX_ENTRIES: usize = 2000;

@@ -17,12 +17,12 @@ use crate::app::model::figures::{
     format_times,
 };
 use crate::app::model::flank_skips::{SkippedReason, skipped_by_reason, skipped_length};
-use crate::app::model::problem::as_sentence;
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
 use crate::app::model::verdict::{self, count_skipped_stretches, count_stretches};
 use crate::app::views::theme::Condition;
 use crate::app::views::units;
+use crate::report::words::as_sentence;
 
 /// Maximum number of faults that are listed.
 const MAX_LISTED: usize = 200;

@@ -7,11 +7,11 @@ use super::figures::divided_figure;
 use crate::app::model::checked::{CheckedProgram, ProgramFinding};
 use crate::app::model::figures::format_duration;
 use crate::app::model::number::with_minus_signs;
-use crate::app::model::problem::as_sentence;
 use crate::app::model::state::AppState;
 use crate::app::views::theme::Condition;
 use crate::app::views::units;
 use crate::io::nc::built_in_posts;
+use crate::report::words::as_sentence;
 
 /// Maximum number of faults that are listed.
 const MAX_LISTED: usize = 500;

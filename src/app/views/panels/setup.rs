@@ -11,12 +11,12 @@ use super::fields::{self, ChoiceSpec, FieldSpec};
 use super::goal::goal_rows;
 use crate::app::model::figures::{policy_label, policy_tip};
 use crate::app::model::known_goals::KnownGoals;
-use crate::app::model::problem::as_sentence;
 use crate::app::model::setup_tools;
 use crate::app::model::step_note::{lead_out_note, step_note};
 use crate::app::views::command::Command;
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::units;
+use crate::report::words::as_sentence;
 
 const POLICY: ChoiceSpec<AxisPolicy> = ChoiceSpec {
     label: "Axis strategy",

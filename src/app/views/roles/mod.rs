@@ -12,13 +12,13 @@ use crate::mesh::{MeshOptions, Role};
 use crate::app::App;
 use crate::app::model::document::OpenPart;
 use crate::app::model::part_source::PartSource;
-use crate::app::model::problem::as_sentence;
 use crate::app::model::role_choices::{RoleChoices, hint_for_dialog};
 use crate::app::tasks::mesh_nodes::UnassignedRoles;
 use crate::app::tasks::open_task::OpenTask;
 use crate::app::views::modal::is_dismissed;
 use crate::app::views::pictures::Pictures;
 use crate::app::views::theme::{self, Condition};
+use crate::report::words::as_sentence;
 use preview::{PreviewInput, RolesPreview};
 
 /// Keys that set the role of the selected node.
