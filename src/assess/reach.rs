@@ -44,6 +44,8 @@ pub struct ReachSection<'a> {
     pub to: f64,
     /// The tool.
     pub tool: &'a Tool,
+    /// Whether it mills what the tool of another section left there.
+    pub is_rest: bool,
 }
 
 /// A cell of the floor.
@@ -80,58 +82,47 @@ pub struct ReachRow {
 /// The reachability map.
 #[derive(Clone, Debug)]
 pub struct ReachMap {
-    /// Rows from leading edge to rim.
+    /// Rows from leading edge to rim, with the sides from which any tool reaches.
     pub rows: Vec<ReachRow>,
+    /// Ends of each section, from the outlet end, and the index of its group among `groups`.
+    sections: Vec<([f64; 2], usize)>,
+    /// Rows with the sides from which the tools of sections that do not overlap reach: one group of all but
+    /// rest milling, and one of each section of that.
+    groups: Vec<Vec<ReachRow>>,
 }
 
 impl ReachMap {
     /// The map of the channel floor of `workpiece`.
-    pub fn new(workpiece: &Workpiece, stretches: &[ReachSection<'_>], limits: &ReachLimits) -> Self {
-        let Workpiece { part, channel, .. } = workpiece;
+    pub fn new(workpiece: &Workpiece, sections: &[ReachSection<'_>], limits: &ReachLimits) -> Self {
         let surroundings = ReachObstacles::new(workpiece, limits);
-        let rows_of = |row: usize| (row as f64 + 0.5) / ROWS as f64;
-        let strips: Vec<Vec<FloorStrip>> = (0..ROWS)
-            .into_par_iter()
-            .map(|row| {
-                let s = rows_of(row);
-                let tool = stretches.iter().find(|x| (x.to..=x.from).contains(&s)).map(|x| x.tool);
-                let passages = passages_at(channel, s);
-                passages
-                    .filter_map(|passage| FloorStrip::new(part, passage, s, tool, &surroundings))
-                    .collect()
-            })
-            .collect();
-        let mut centres = Vec::new();
-        for (row, here) in strips.iter().enumerate() {
-            // Where the splitter begins, the passages of one row have no successors in the next.
-            let next = strips.get(row + 1).filter(|next| next.len() == here.len());
-            for (k, strip) in here.iter().enumerate() {
-                centres.extend(strip.centres(next.map(|next| &next[k])));
-            }
-        }
-        let rows = (0..ROWS)
-            .into_par_iter()
-            .map(|row| {
-                let s = rows_of(row);
-                let Some(walls) = channel.full.wall_angles(part, s, 0.0) else {
-                    return ReachRow { s, cells: Vec::new() };
-                };
-                let cells = strips[row].iter().flat_map(|strip| strip.cells(&centres, &surroundings, limits));
-                let cells = cells.map(|cell| cell.across(walls, part.pitch())).collect();
-                ReachRow { s, cells }
-            })
-            .collect();
-        Self { rows }
+        let first: Vec<&ReachSection> = sections.iter().filter(|section| !section.is_rest).collect();
+        let rest = sections.iter().filter(|section| section.is_rest).map(|section| vec![section]);
+        let groups = std::iter::once(first).chain(rest);
+        let groups: Vec<Vec<ReachRow>> =
+            groups.map(|group| rows_of(workpiece, &group, &surroundings, limits)).collect();
+        let mut last = 0;
+        let group_of = |section: &ReachSection| {
+            last += usize::from(section.is_rest);
+            ([section.from, section.to], if section.is_rest { last } else { 0 })
+        };
+        let sections = sections.iter().map(group_of).collect();
+        let rows = groups[1..].iter().fold(groups[0].clone(), |mut rows, group| {
+            rows.iter_mut().zip(group).for_each(|(row, other)| row.add(other));
+            rows
+        });
+        Self { rows, sections, groups }
     }
 
     /// Share of the floor, by area, whose sides satisfy `wanted`; NaN without floor.
     pub fn share(&self, wanted: impl Fn(ReachSides) -> bool) -> f64 {
-        self.share_between(f64::INFINITY, f64::NEG_INFINITY, wanted)
+        share(self.rows.iter().flat_map(|row| &row.cells), wanted)
     }
 
-    /// As [`Self::share`], of the floor between s = `from` (at the outlet end) and s = `to`.
-    pub fn share_between(&self, from: f64, to: f64, wanted: impl Fn(ReachSides) -> bool) -> f64 {
-        let rows = self.rows.iter().filter(|row| (to..=from).contains(&row.s));
+    /// As [`Self::share`], of the floor of a section, by its index: that its tool reaches, and near its ends
+    /// those of the sections beside it.
+    pub fn share_of_section(&self, index: usize, wanted: impl Fn(ReachSides) -> bool) -> f64 {
+        let ([from, to], group) = self.sections[index];
+        let rows = self.groups[group].iter().filter(|row| (to..=from).contains(&row.s));
         share(rows.flat_map(|row| &row.cells), wanted)
     }
 
@@ -143,7 +134,56 @@ impl ReachMap {
     }
 }
 
+/// The rows with the sides from which the tools of `sections`, which do not overlap, reach. Rest milling has
+/// no cells beyond its section.
+fn rows_of(
+    workpiece: &Workpiece,
+    sections: &[&ReachSection<'_>],
+    surroundings: &ReachObstacles<'_>,
+    limits: &ReachLimits,
+) -> Vec<ReachRow> {
+    let Workpiece { part, channel, .. } = workpiece;
+    let s_of = |row: usize| (row as f64 + 0.5) / ROWS as f64;
+    let holds = |section: &ReachSection, s: f64| (section.to..=section.from).contains(&s);
+    let strips: Vec<Vec<FloorStrip>> = (0..ROWS)
+        .into_par_iter()
+        .map(|row| {
+            let s = s_of(row);
+            let tool = sections.iter().find(|section| holds(section, s)).map(|section| section.tool);
+            let passages = passages_at(channel, s);
+            passages.filter_map(|passage| FloorStrip::new(part, passage, s, tool, surroundings)).collect()
+        })
+        .collect();
+    let mut centres = Vec::new();
+    for (row, here) in strips.iter().enumerate() {
+        // Where the splitter begins, the passages of one row have no successors in the next.
+        let next = strips.get(row + 1).filter(|next| next.len() == here.len());
+        for (k, strip) in here.iter().enumerate() {
+            centres.extend(strip.centres(next.map(|next| &next[k])));
+        }
+    }
+    (0..ROWS)
+        .into_par_iter()
+        .map(|row| {
+            let s = s_of(row);
+            let is_rest_elsewhere = sections.iter().any(|section| section.is_rest && !holds(section, s));
+            let walls = channel.full.wall_angles(part, s, 0.0).filter(|_| !is_rest_elsewhere);
+            let Some(walls) = walls else { return ReachRow { s, cells: Vec::new() } };
+            let cells = strips[row].iter().flat_map(|strip| strip.cells(&centres, surroundings, limits));
+            let cells = cells.map(|cell| cell.across(walls, part.pitch())).collect();
+            ReachRow { s, cells }
+        })
+        .collect()
+}
+
 impl ReachRow {
+    /// Adds the sides from which other tools reach the same cells; nothing where `other` has none.
+    fn add(&mut self, other: &Self) {
+        for (cell, other) in self.cells.iter_mut().zip(&other.cells) {
+            cell.reached = cell.reached.or(other.reached);
+        }
+    }
+
     /// Share of the row, by area, whose sides satisfy `wanted`; NaN without floor.
     pub fn share(&self, wanted: impl Fn(ReachSides) -> bool) -> f64 {
         share(self.cells.iter(), wanted)

@@ -152,7 +152,8 @@ fn sections_object(found: &AssessedPart) -> Value {
     found
         .sections()
         .iter()
-        .map(|stretch| {
+        .enumerate()
+        .map(|(index, stretch)| {
             let mut map = Map::new();
             map.insert("tool".into(), json!(stretch.tool.number));
             map.insert("diameter".into(), json!(stretch.tool.diameter));
@@ -162,7 +163,7 @@ fn sections_object(found: &AssessedPart) -> Value {
             map.insert("to".into(), json!(stretch.to));
             for (key, wanted) in CLASS_KEYS.into_iter().zip(ReachSides::CLASSES) {
                 let share = found.assessment.reach.as_ref();
-                let share = share.map(|map| map.share_between(stretch.from, stretch.to, wanted));
+                let share = share.map(|map| map.share_of_section(index, wanted));
                 map.insert(key.into(), share.map_or(Value::Null, number));
             }
             Value::Object(map)
@@ -259,8 +260,8 @@ fn reach_table(found: &AssessedPart) -> String {
              {any:>15.1}  {outlet:>13.1}  {inlet:>12.1}  {both:>11.1}\n"
         );
     };
-    for s in found.sections() {
-        let shares = ReachSides::CLASSES.map(|wanted| map.share_between(s.from, s.to, wanted));
+    for (index, s) in found.sections().into_iter().enumerate() {
+        let shares = ReachSides::CLASSES.map(|wanted| map.share_of_section(index, wanted));
         let name = format!("{:.2} to {:.2}", s.from, s.to);
         line(name, format!("D {}", s.tool.diameter), format!("{:.0}", s.tool.overhang), shares);
     }

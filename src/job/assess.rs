@@ -6,7 +6,7 @@ use super::resolve;
 use crate::assess::Assessment;
 use crate::assess::reach::{ReachLimits, ReachSection};
 use crate::part::{Impeller, Workpiece};
-use crate::setup::{Setup, SetupFault};
+use crate::setup::{SectionKind, SectionSetup, Setup, SetupFault};
 
 /// A part that was assessed.
 #[derive(Debug)]
@@ -49,5 +49,11 @@ impl AssessedPart {
 fn sections_of(setup: &Setup) -> Vec<ReachSection<'_>> {
     let tool = |number: u32| setup.tools.iter().find(|t| t.number == number);
     let sections = setup.plunge.sections.iter();
-    sections.filter_map(|s| Some(ReachSection { from: s.from, to: s.to, tool: tool(s.tool)? })).collect()
+    // Above the shroud no tool comes to the floor.
+    let on_floor = sections.filter(|section| section.kind != SectionKind::Opening);
+    on_floor
+        .filter_map(|&SectionSetup { from, to, tool: number, kind, .. }| {
+            Some(ReachSection { from, to, tool: tool(number)?, is_rest: kind == SectionKind::Rest })
+        })
+        .collect()
 }

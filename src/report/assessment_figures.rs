@@ -109,10 +109,10 @@ fn reach(assessed: &AssessedPart) -> String {
     let percent = |share: f64| number(100.0 * share, 1);
     let heads = ["Section", "Tool", "Stick-out, mm", "From any side", "Outlet", "Inlet", "Both"];
     let mut rows = row("th", heads.map(str::to_owned));
-    for section in assessed.sections() {
+    for (index, section) in assessed.sections().into_iter().enumerate() {
         let (from, to, tool) = (section.from, section.to, section.tool);
         let name = [format!("{from:.2} to {to:.2}"), format!("T{} D {}", tool.number, tool.diameter)];
-        let shares = ReachSides::CLASSES.map(|class| percent(map.share_between(from, to, class)));
+        let shares = ReachSides::CLASSES.map(|class| percent(map.share_of_section(index, class)));
         rows += &row("td", name.into_iter().chain([number(tool.overhang, 0)]).chain(shares));
     }
     let all = ["All".to_owned(), String::new(), String::new()];

@@ -196,7 +196,7 @@ fn tool(diameter: f64, overhang: f64) -> Tool {
 
 fn reach(part: &Impeller, tool: &Tool) -> ReachMap {
     let workpiece = Setup::default().allowances.workpiece_of(part.clone());
-    ReachMap::new(&workpiece, &[ReachSection { from: 1.0, to: 0.0, tool }], &LIMITS)
+    ReachMap::new(&workpiece, &[ReachSection { from: 1.0, to: 0.0, tool, is_rest: false }], &LIMITS)
 }
 
 #[test]
@@ -243,11 +243,32 @@ fn stock_before_the_inlet_is_in_the_way_of_holders() {
         let mut setup = Setup::default();
         setup.allowances.inlet_extension = inlet_extension;
         let workpiece = setup.allowances.workpiece_of(part.clone());
-        let map = ReachMap::new(&workpiece, &[ReachSection { from: 1.0, to: 0.0, tool: &tool }], &LIMITS);
+        let map = ReachMap::new(
+            &workpiece,
+            &[ReachSection { from: 1.0, to: 0.0, tool: &tool, is_rest: false }],
+            &LIMITS,
+        );
         map.share(|s| s.inlet)
     };
     let (short, long) = (share(0.0), share(20.0));
     assert!(long < short - 0.05, "{long} of {short} from the inlet");
+}
+
+/// Each tool is judged by itself where rest milling follows, and the whole by what either reaches.
+#[test]
+fn rest_milling_reaches_what_its_own_tool_does() {
+    let part = sample("pump6");
+    let workpiece = Setup::default().allowances.workpiece_of(part.clone());
+    let (thick, thin) = (tool(30.0, 150.0), tool(10.0, 150.0));
+    let section = |tool, from, to, is_rest| ReachSection { from, to, tool, is_rest };
+    let map = |sections: &[ReachSection]| ReachMap::new(&workpiece, sections, &LIMITS);
+    let alone = map(&[section(&thin, 1.0, 0.5, false)]).share_of_section(0, |s| s.any);
+    let first = map(&[section(&thick, 1.0, 0.0, false)]);
+    let both = map(&[section(&thick, 1.0, 0.0, false), section(&thin, 1.0, 0.5, true)]);
+    assert_eq!(both.share_of_section(1, |s| s.any), alone);
+    assert_eq!(both.share_of_section(0, |s| s.any), first.share(|s| s.any));
+    assert!(alone > both.share_of_section(0, |s| s.any) + 0.02, "{alone}: the thinner one reaches more");
+    assert!(both.share(|s| s.any) > first.share(|s| s.any) + 0.01, "{}", both.share(|s| s.any));
 }
 
 /// Two independent searches: a row is inaccessible where the cutter is larger than the largest that fits

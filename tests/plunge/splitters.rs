@@ -79,7 +79,7 @@ fn the_machinability_is_that_of_all_passages() {
     };
     let tool = cutter(16.0, 5.0);
     let workpiece = setup.allowances.workpiece_of(split_disc());
-    let sections = [ReachSection { tool: &tool, from: 1.0, to: 0.0 }];
+    let sections = [ReachSection { tool: &tool, from: 1.0, to: 0.0, is_rest: false }];
     let found = Assessment::from_workpiece(&workpiece, &sections, &limits);
     let names: Vec<&str> = found.blades.iter().map(|blade| blade.name.as_str()).collect();
     assert_eq!(names, ["main", "splitter 1", "splitter 2"], "from the suction side of the main blade");

@@ -128,11 +128,11 @@ fn reach(ui: &mut Ui, assessed: &AssessedPart) {
             ui.label(RichText::new(name).strong()).on_hover_text(tip);
         }
         ui.end_row();
-        for section in assessed.sections() {
+        for (index, section) in assessed.sections().into_iter().enumerate() {
             let tool = units::display_units(ui).diameter(section.tool.diameter);
             ui.label(format!("{tool}, {:.2}–{:.2}", section.from, section.to));
             for class in ReachSides::CLASSES {
-                ui.label(format!("{:.1}", 100.0 * map.share_between(section.from, section.to, class)));
+                ui.label(format!("{:.1}", 100.0 * map.share_of_section(index, class)));
             }
             ui.end_row();
         }
