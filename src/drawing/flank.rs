@@ -22,7 +22,7 @@ pub enum FlankColours {
     /// The layer of a pass: dark next to the hub, light at the top.
     #[default]
     Layer,
-    /// The region of the channel.
+    /// The region of the channel that a move of the program is in, rapids grey.
     Region,
     /// The feed rate of a move of the program: dark slow, light fast, rapids grey.
     Feed,
@@ -56,7 +56,8 @@ const SELECTED_WIDTH: f32 = 4.5;
 pub fn region_colour(region: Region) -> Rgb {
     use WallName::{High, Low, Splitter};
     match (region.low, region.high) {
-        (Low, High) => palette::SELECTED,
+        // Not blue, which is the selected pass.
+        (Low, High) => palette::category(2),
         (Low, Splitter(0)) => palette::SOUND,
         (Splitter(0), High) => palette::BLOCKED,
         (Splitter(low), Splitter(high)) => palette::category(4 + high * high.saturating_sub(1) / 2 + low),
@@ -74,8 +75,8 @@ pub fn feed_range(moves: &[FlankMove]) -> (f64, f64) {
     (under_feed().fold(f64::INFINITY, f64::min), under_feed().fold(0.0, f64::max))
 }
 
-/// Lines of a plan with `layers` layers: its `moves` when coloured by feed rate, else its `curves`, or none
-/// where the colours show the walls; and its `rapids`, grey.
+/// Lines of a plan with `layers` layers: its `moves` when coloured by feed rate or region, else its `curves`,
+/// or none where the colours show the walls; and its `rapids`, grey.
 pub fn toolpath_lines(
     curves: &[ShownPass],
     moves: &[FlankMove],
@@ -83,19 +84,17 @@ pub fn toolpath_lines(
     colours: FlankColours,
     rapids: bool,
 ) -> Vec<Segment> {
-    let table = ColourMap::Viridis.table();
-    if colours == FlankColours::Feed {
+    // Curves run on from one region into the next; the passes made of them do not.
+    if matches!(colours, FlankColours::Feed | FlankColours::Region) {
         return move_lines(moves, moves, layers, colours, rapids);
     }
     let mut lines = if rapids { rapid_lines(moves) } else { Vec::new() };
     if colours == FlankColours::Walls {
         return lines;
     }
+    let table = ColourMap::Viridis.table();
     for curve in curves {
-        let colour = match colours {
-            FlankColours::Region => region_colour(curve.region),
-            _ => layer_colour(&table, curve.layer, layers),
-        };
+        let colour = layer_colour(&table, curve.layer, layers);
         lines.extend(curve.points.windows(2).map(|p| segment(&p[0], &p[1], curve.wall, colour)));
     }
     lines

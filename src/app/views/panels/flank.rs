@@ -6,9 +6,9 @@ use std::collections::BTreeSet;
 use egui::{RichText, Ui};
 
 use crate::drawing::flank::{FlankColours, RAPID_COLOUR, feed_range, region_colour};
-use crate::flank::FlankPlan;
 use crate::flank::choice::selectable;
 use crate::flank::region::{Region, WallName};
+use crate::flank::{FlankPlan, MoveKind};
 use crate::io::tool_library::flank_cutters;
 use crate::job::flank::FlankOutcome;
 use crate::palette::{ColourMap, Rgb, TABLE_LEN};
@@ -255,8 +255,8 @@ pub fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan, splitters: usiz
             }
         }
         FlankColours::Region => {
-            let curves = || plan.layout.layers.iter().flat_map(|layer| &layer.pass_curves);
-            let regions: BTreeSet<Region> = curves().map(|curve| curve.region).collect();
+            let under_feed = plan.moves.iter().filter(|step| step.kind != MoveKind::Rapid);
+            let regions: BTreeSet<Region> = under_feed.map(|step| step.region).collect();
             let words = |region: &Region| region_words(*region, splitters);
             let width = |region: &Region| theme::width_of_text(ui, &words(region)) + SWATCH_AND_SPACES;
             let fits = regions.iter().map(width).sum::<f32>() < ui.available_width();

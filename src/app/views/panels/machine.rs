@@ -11,8 +11,8 @@ use crate::app::views::theme::{self, Condition};
 use crate::setup::Setup;
 
 const TIP: &str = "Machine that the program is for. The timeline shows where its axes stand, and the\n\
-     planner keeps to the tilt that it reaches. One of your own is a machine file: a copy of one in\n\
-     `assets/machines` with your axes, limits and zero point";
+     planner keeps to the tilt that it reaches. One of your own is a machine file: a copy\n\
+     of one in assets/machines with your axes, limits and zero point";
 /// Entry for no machine.
 const NONE: &str = "None";
 
@@ -30,8 +30,10 @@ pub enum MachineChoice {
 /// Draws the list of machines; returns what was chosen.
 pub fn show(ui: &mut Ui, setup: &Setup, machines: &MachineList) -> Option<MachineChoice> {
     let mut choice = None;
-    fields::form(ui, "machine fields", |ui| {
+    ui.horizontal(|ui| {
         let label = ui.label(FaultyField::MACHINE.label).on_hover_text(TIP);
+        // From the label to where fields end: machines have longer names than settings have values.
+        let width = theme::LABEL_WIDTH + theme::FIELD_WIDTH - label.rect.width();
         let chosen = setup.machine.file.as_deref();
         ui.vertical(|ui| {
             let mut at = egui::Rect::NOTHING;
@@ -39,9 +41,9 @@ pub fn show(ui: &mut Ui, setup: &Setup, machines: &MachineList) -> Option<Machin
                 let shown = chosen.map_or_else(|| NONE.to_owned(), |chosen| machines.label_of(chosen));
                 // A long name is shortened: the list would take the place of the dot otherwise.
                 let list = ui.scope(|ui| {
-                    ui.set_max_width(theme::FIELD_WIDTH);
+                    ui.set_max_width(width);
                     ComboBox::from_id_salt("machine")
-                        .width(theme::FIELD_WIDTH)
+                        .width(width)
                         .truncate()
                         .selected_text(shown)
                         .show_ui(ui, |ui| entries(ui, chosen, machines))
@@ -62,7 +64,6 @@ pub fn show(ui: &mut Ui, setup: &Setup, machines: &MachineList) -> Option<Machin
                 field_faults::mark(ui, at, &format!("{what}; {help}"), (Condition::Blocked, 1.0));
             }
         });
-        ui.end_row();
     });
     choice
 }

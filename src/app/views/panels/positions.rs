@@ -252,6 +252,8 @@ const WIDTHS: [f32; 8] = [12.0, 30.0, 28.0, 30.0, 46.0, 50.0, 44.0, 54.0];
 const DIGIT_WIDTH: f32 = 7.3;
 /// Space before a length in inches, points.
 const INCH_SPACE: f32 = 8.0;
+/// Space beside the number of a position for the mark of what was done by hand, points.
+const MARK_SPACE: f32 = 8.0;
 /// Space between columns, points.
 const SPACING: f32 = 6.0;
 
@@ -277,7 +279,9 @@ fn widths(state: &AppState) -> Vec<f32> {
     let width = |(least, digits): (f32, usize)| {
         least.max((DIGIT_WIDTH * digits as f32).ceil() + if digits > 3 { space } else { 0.0 })
     };
-    WIDTHS.into_iter().zip(digits).take(shown).map(width).collect()
+    let mut widths: Vec<f32> = WIDTHS.into_iter().zip(digits).take(shown).map(width).collect();
+    widths[1] = widths[1].max((DIGIT_WIDTH * count as f32).ceil() + MARK_SPACE);
+    widths
 }
 
 /// Width of the columns with the space between them, points.

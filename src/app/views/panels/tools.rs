@@ -1,4 +1,4 @@
-//! Panel "Tools": tools and their sections, chosen by the program or entered by the user.
+//! Panel "Tools": tools and, for plunging, their sections, chosen by the program or entered by the user.
 
 use std::collections::HashSet;
 
@@ -44,9 +44,28 @@ pub fn show(
     planned: Option<(&DisplayPlan, AxisPolicy)>,
     change: Option<&str>,
 ) -> Option<Command> {
-    let library = ui.button(Command::ToolLibrary.label()).on_hover_text(Command::ToolLibrary.tip()).clicked();
+    let asked = library_button(ui);
     content(ui, setup, planned, change);
-    library.then_some(Command::ToolLibrary)
+    asked
+}
+
+/// Draws the tools of the setup alone, without what plunging makes of them; `chosen` is the setup of the
+/// latest plan. Returns the command that was asked for.
+pub fn show_list(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) -> Option<Command> {
+    let asked = library_button(ui);
+    match setup.tools.is_empty() {
+        true => _ = ui.label(RichText::new(FROM_LIBRARY).weak()),
+        false => tools(ui, setup, chosen),
+    }
+    asked
+}
+
+/// Text in place of the tools of a setup without any.
+const FROM_LIBRARY: &str = "Chosen from the tool library for the part";
+
+fn library_button(ui: &mut Ui) -> Option<Command> {
+    let button = ui.button(Command::ToolLibrary.label()).on_hover_text(Command::ToolLibrary.tip());
+    button.clicked().then_some(Command::ToolLibrary)
 }
 
 fn content(
@@ -57,7 +76,7 @@ fn content(
 ) {
     let chosen = planned.map(|(planned, _)| &planned.outcome.setup);
     if setup.tools.is_empty() {
-        ui.label(RichText::new("Chosen from the tool library for the part").weak());
+        ui.label(RichText::new(FROM_LIBRARY).weak());
         rest_checkbox(ui, setup);
         let Some((chosen, (planned, policy))) = chosen.zip(planned) else { return };
         if let Some(change) = change {
