@@ -180,25 +180,25 @@ fn figures_of_plunges_are_those_of_the_program() {
     let apt = planned.plunges(&planned.program);
     assert!(kinds_of(&apt).contains(&FaultKind::HubAllowance), "{:?}", apt.verdict.faults);
     assert_eq!(apt.summary.positions, COUNT);
-    for name in MACHINES {
+    // Each output of each control on one of the machines in turn; `scripts/read-back` does all on all.
+    let outputs = |(control, outputs): (&'static str, &'static [OutputKind])| {
+        outputs.iter().map(move |&output| (control, output))
+    };
+    for ((control, output), name) in OUTPUTS.into_iter().flat_map(outputs).zip(MACHINES.into_iter().cycle()) {
         let machine = machine(name);
-        for (control, outputs) in OUTPUTS {
-            for &output in outputs {
-                let case = format!("{name} {control} {}", output.name());
-                let (nc, program) = planned.posted(&machine, control, output);
-                let read = planned.plunges(&program);
-                assert_eq!(kinds_of(&read), kinds_of(&apt), "{case}: {:?}", read.verdict.faults);
-                compare(&case, &figures_of(&apt.summary), &figures_of(&read.summary));
-                assert_eq!(nc.positions, COUNT, "{case}");
-                let (meant, read) = (&apt.summary, &read.summary);
-                // Links that leave the part go further from it, and are longer; all of the time is theirs.
-                let links = [meant, read].map(|s| s.time_estimate - s.feed_time);
-                assert!(links[1] >= links[0] && read.rapid_length >= meant.rapid_length, "{case}: {links:?}");
-                // Less than that is a fault.
-                let [clearance, planned] = [read, meant].map(|s| s.min_retract_clearance);
-                assert!(clearance > planned - 1e-3, "{case}: {clearance} mm, {planned} mm planned");
-            }
-        }
+        let case = format!("{name} {control} {}", output.name());
+        let (nc, program) = planned.posted(&machine, control, output);
+        let read = planned.plunges(&program);
+        assert_eq!(kinds_of(&read), kinds_of(&apt), "{case}: {:?}", read.verdict.faults);
+        compare(&case, &figures_of(&apt.summary), &figures_of(&read.summary));
+        assert_eq!(nc.positions, COUNT, "{case}");
+        let (meant, read) = (&apt.summary, &read.summary);
+        // Links that leave the part go further from it, and are longer; all of the time is theirs.
+        let links = [meant, read].map(|s| s.time_estimate - s.feed_time);
+        assert!(links[1] >= links[0] && read.rapid_length >= meant.rapid_length, "{case}: {links:?}");
+        // Less than that is a fault.
+        let [clearance, planned] = [read, meant].map(|s| s.min_retract_clearance);
+        assert!(clearance > planned - 1e-3, "{case}: {clearance} mm, {planned} mm planned");
     }
 }
 

@@ -78,7 +78,7 @@ fn tool(plan: &PlungePlan, position: &Position) -> u32 {
 #[test]
 fn programs_of_every_order_are_verified_as_planned() {
     for (name, channels, orders) in
-        [("impeller532", 3, &EVERY_ORDER[1..3]), ("impeller9x9", 3, &EVERY_ORDER[3..])]
+        [("impeller532", 3, &EVERY_ORDER[1..2]), ("impeller9x9", 3, &EVERY_ORDER[3..])]
     {
         let outcome = sample_plans(name);
         let tools = count_tool_loads(&outcome.after.plan, ChannelOrder::ToolByTool, 1);
