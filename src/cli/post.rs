@@ -197,7 +197,7 @@ fn section_object(program: &ClProgram, time: &SectionTime) -> Value {
 fn object(request: &PostRequest, source: &PostSource, posted: &PostedProgram) -> Map<String, Value> {
     let PostSource { program, .. } = source;
     let PostRequest { machine, post, output, .. } = request;
-    let PostedProgram { motion, written, times } = posted;
+    let PostedProgram { motion, written, times, .. } = posted;
     let mut map = Map::new();
     map.insert("machine".into(), json!(machine.name));
     map.insert("blocks".into(), json!(written.blocks));
@@ -226,7 +226,7 @@ fn object(request: &PostRequest, source: &PostSource, posted: &PostedProgram) ->
 fn text(args: &PostArgs, request: &PostRequest, source: &PostSource, posted: &PostedProgram) -> String {
     let PostSource { program, .. } = source;
     let PostRequest { machine, post, output, .. } = request;
-    let PostedProgram { motion, written, times } = posted;
+    let PostedProgram { motion, written, times, .. } = posted;
     let minutes = |s: f64| format!("{:.1}", s / 60.0);
     let mut text = format!(
         "{}: {} for {}, {} {}\n",

@@ -101,7 +101,7 @@ pub fn toolpath_lines(
 }
 
 /// Lines of the first moves `made` of `all` moves of a plan with `layers` layers, its `rapids` in grey.
-/// Coloured by layer where the colours show the walls.
+/// Grey where the colours show the walls.
 pub fn move_lines(
     made: &[FlankMove],
     all: &[FlankMove],
@@ -114,13 +114,13 @@ pub fn move_lines(
     let line = |pair: &[FlankMove]| {
         let step = &pair[1];
         let colour = match (step.kind, colours) {
-            (MoveKind::Rapid, _) => RAPID_COLOUR,
+            (MoveKind::Rapid, _) | (_, FlankColours::Walls) => RAPID_COLOUR,
             (_, FlankColours::Feed) => {
                 let share = (step.feed_mm_per_min - slow) / (fast - slow).max(1e-6);
                 colour_at(&table, share as f32)
             }
             (_, FlankColours::Region) => region_colour(step.region),
-            (_, FlankColours::Layer | FlankColours::Walls) => layer_colour(&table, step.layer, layers),
+            (_, FlankColours::Layer) => layer_colour(&table, step.layer, layers),
         };
         segment(&pair[0].tip, &step.tip, step.along_wall, colour)
     };

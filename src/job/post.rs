@@ -36,6 +36,8 @@ pub struct PostedProgram {
     pub written: NcProgram,
     /// Times by section, in cutting order.
     pub times: Vec<SectionTime>,
+    /// How the part lies on the table.
+    pub placed: PlacedPart,
 }
 
 impl PostedProgram {
@@ -96,7 +98,7 @@ pub fn post_program(
     let remarks = [placed.comments(), calls].concat();
     let written = write_nc(program, machine, &motion, post, *output, &remarks).map_err(PostFault::Words)?;
     let times = section_times(machine, program, &motion);
-    Ok(PostedProgram { motion, written, times })
+    Ok(PostedProgram { motion, written, times, placed })
 }
 
 /// The fault of a called program that the machine could run by itself, but not within `range` (rad): what the

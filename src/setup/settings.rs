@@ -68,8 +68,8 @@ impl AllowanceSetup {
         self.cutting_data()?.too_fast(tools)
     }
 
-    /// What must be known of `tools` before they cut: those that turn too fast for the material, and those that
-    /// share a length offset.
+    /// What must be known of `tools` before they cut: which turn too fast for the material, and which share a
+    /// length offset.
     pub fn tool_remarks<'t>(&self, tools: impl IntoIterator<Item = &'t Tool>) -> Vec<String> {
         let tools: Vec<&Tool> = tools.into_iter().collect();
         let too_fast = self.too_fast(tools.iter().copied());

@@ -158,7 +158,7 @@ impl Tool {
         self.assembly.length_offset.unwrap_or(self.number)
     }
 
-    /// Gives the tool another number. Offsets that had its former number get the new one: the former stays that
+    /// Gives the tool another number. Offsets that had its former number get the new one: the former is that
     /// of another tool.
     pub fn renumber(&mut self, number: u32) {
         let ToolAssembly { length_offset, diameter_offset, .. } = &mut self.assembly;

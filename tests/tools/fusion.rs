@@ -214,10 +214,18 @@ fn no_tool_gets_the_number_of_one_that_is_left_out() {
     // From another library, which does not know the drill.
     let mut other = (*library.tools[0]).clone();
     other.tool.number = 10;
+    other.tool.assembly.name = Some("another 4".to_owned());
     (other.tool.assembly.length_offset, other.tool.assembly.diameter_offset) = (Some(10), Some(210));
     library = ToolLibrary { tools: vec![Arc::new(other)], ..ToolLibrary::default() };
     let merged = merge_fusion("shop.json", shop.to_string().as_bytes(), &library).expect("merges");
     assert_eq!(merged.notes, ["tool 10: another tool there has its number: it is tool 12"]);
+    assert_eq!(numbers(&merged.library), [12]);
+    // Written again, by its number there or by that of its own library, it is the same one.
+    for again in [&merged.library, &library] {
+        let again = merge_fusion("shop.json", merged.text.as_bytes(), again).expect("merges");
+        assert_eq!((again.text, again.added, again.changed), (merged.text.clone(), 0, 0));
+        assert_eq!(numbers(&again.library), [12]);
+    }
     let tree: Value = serde_json::from_str(&merged.text).expect("JSON");
     let post = &tree["data"][3]["post-process"];
     let keys = ["number", "length-offset", "diameter-offset"].map(|key| post[key].clone());

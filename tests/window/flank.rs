@@ -273,7 +273,8 @@ fn flank_curves_are_planned_shown_and_written() {
     window.get_by_label("Floor above scallop");
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     window.get_by_label_contains(&format!(
-        "{} of the walls is not milled",
+        "{} of the accessible floor and {} of the walls is not machined",
+        percent(verdict.layer.uncut_share.into()),
         percent(verdict.unmilled_wall_share)
     ));
     window.get_by_label(&percent(verdict.uncovered.share()));
@@ -288,6 +289,12 @@ fn flank_curves_are_planned_shown_and_written() {
     window.run_steps(4);
     let most = window.state().state().shown_deviation().expect("walls are shown");
     window.get_by_label("Residual on walls");
+    let count = window.state().state().timeline_len();
+    for (at, head) in [(count / 2, "Finished walls"), (count, "Residual on walls")] {
+        window.get_by_role_and_label(Role::Slider, "Timeline").set_value_accesskit(at as f64);
+        window.run_steps(4);
+        window.get_by_label(head);
+    }
     window.get_by_label(&DisplayUnits::Metric.deviation((-most).into()));
     snapshot_view(&mut window, "flank_walls");
     // The value under the cursor has a sign: above or below the allowance.

@@ -152,11 +152,10 @@ fn a_plan_is_exported_for_the_machine_of_the_setup() {
     let counted = format!(": {blocks} blocks without comments for bc-trunnion");
     assert!(notice.contains(&counted), "{notice}");
     let page = sheet(&mut window, folder.path());
-    assert!(
-        page.contains(
-            "<code>wheel.mpf</code> (NC code for bc-trunnion, control siemens), for all 2 channels"
-        )
-    );
+    assert!(page.contains(
+        "<code>wheel.mpf</code> (NC code for bc-trunnion, control siemens, part turned over by half a turn \
+             about its X), for all 2 channels"
+    ));
     // A check reads it for the same machine and control.
     window.state_mut().open_path(path);
     settle(&mut window);
@@ -354,7 +353,10 @@ fn the_flank_plan_is_exported_as_well() {
     // The setup sheet of the selected operation names the program, and no other one.
     window.state_mut().look_mut().operation = Operation::Flank;
     let page = sheet(&mut window, folder.path());
-    let control = format!("<code>flank.h</code> (NC code for ac-trunnion, control {})", target.control);
+    let control = format!(
+        "<code>flank.h</code> (NC code for ac-trunnion, control {}, part turned over by half a turn about its X)",
+        target.control
+    );
     assert!(page.contains(&control) && !page.contains(".apt"), "{page}");
     assert!(page.contains("for one channel"));
     assert!(page.contains(&format!("<b>T{}</b>", outcome.plan.tool.number)));

@@ -562,8 +562,8 @@ fn what_a_library_of_fusion_would_lose_is_asked_about_before_it_is_written() {
     write(&mut window);
     window.get_by_label("Write into the Fusion library?");
     assert!(window.query_by_label("Recalculate").is_none(), "nothing to calculate for a library");
-    window.get_by_label_contains("Vendor, product and coolant of tools that are new in it");
-    window.get_by_label_contains("they stay in the file");
+    window.get_by_label_contains("Tools that are new in it have no vendor, product and coolant");
+    window.get_by_label_contains("stay in the file");
     click_enabled(&window, "Cancel");
     window.run_steps(3);
     settle(&mut window);

@@ -190,8 +190,8 @@ impl App {
                 if let Some(project) = written.project {
                     self.note_saved(ctx, project);
                 }
-                if let Some(content) = written.library {
-                    self.note_saved_library(ctx, written.file, content);
+                if let Some(library) = written.library {
+                    self.note_saved_library(ctx, written.file, library);
                 }
             }
             Outcome::Cancelled => self.note_cancelled_writing(),

@@ -8,10 +8,10 @@ use egui::{Context, Ui};
 
 use crate::app::App;
 use crate::app::model::file_purpose::{FilePlace, Purpose};
-use crate::app::model::library_state::LibraryState;
 use crate::app::model::panels::DockPanel;
 use crate::app::model::part_source::PartSource;
 use crate::app::model::shop_library::ShopLibrary;
+use crate::app::tasks::files::WrittenLibrary;
 use crate::app::tasks::open_task::OpenTask;
 use crate::app::views::typed;
 use crate::app::views::unsaved::{self, UnsavedAnswer, UnsavedWork};
@@ -138,8 +138,8 @@ impl App {
     }
 
     /// Records that the tool library was written, and continues with the pending action.
-    pub(super) fn note_saved_library(&mut self, ctx: &Context, path: PathBuf, content: LibraryState) {
-        self.library.note_saved(path, content);
+    pub(super) fn note_saved_library(&mut self, ctx: &Context, path: PathBuf, library: WrittenLibrary) {
+        self.library.note_saved(path, library.given, library.written);
         if !self.library.is_unsaved()
             && let Some(pending) = self.session.after_library.take()
         {

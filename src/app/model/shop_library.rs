@@ -136,10 +136,16 @@ impl ShopLibrary {
         self.content != self.saved
     }
 
-    /// Records that `content` was written to `path`.
-    pub fn note_saved(&mut self, path: PathBuf, content: LibraryState) {
+    /// Records that the library was written to `path` as `written`, when `given` was to be written: its tools
+    /// get the numbers that they have there, unless they were edited meanwhile.
+    pub fn note_saved(&mut self, path: PathBuf, given: LibraryState, written: LibraryState) {
         self.path = Some(path);
-        self.saved = content;
+        if self.content == given && given != written {
+            self.content = written.clone();
+            self.found = None;
+            self.history.add(&self.content);
+        }
+        self.saved = written;
     }
 
     /// Call once per frame: edits that have been stable for a while become undo steps. `time` in seconds.
@@ -382,7 +388,7 @@ mod tests {
         let notes = |library: &ShopLibrary| library.content().tools[0].notes.clone();
         library.replace(0, Tool { spindle: 4000.0, ..tool.clone() });
         assert_eq!(notes(&library), noted);
-        // Inserts as wide as the radius of a new diameter still reach the centre; on the old one they do not.
+        // Inserts that are cut to a smaller diameter, or that another one leaves, still reach the centre.
         let resized = |factor: f64| {
             let diameter = factor * tool.diameter;
             Tool { diameter, insert_width: tool.insert_width.min(0.5 * diameter), ..tool.clone() }
@@ -390,6 +396,10 @@ mod tests {
         library.replace(0, resized(0.5));
         assert_eq!(notes(&library), noted);
         library.replace(0, Tool { diameter: tool.diameter, ..resized(0.5) });
+        assert_eq!(notes(&library), noted);
+        let now = &library.content().tools[0].tool;
+        assert_eq!(now.insert_width, now.radius());
+        library.replace(0, Tool { insert_width: 0.3 * tool.diameter, ..tool.clone() });
         assert_eq!(notes(&library), [noted[1], noted[2]]);
         let given = Tool { plunge_feed: 200.0, ..tool.with_given_rates() };
         library.replace(0, Tool { insert_width: 0.4 * tool.diameter, ..given });
@@ -427,6 +437,23 @@ mod tests {
         let taken = library.take_into(&mut setup).expect("a tool");
         assert_eq!(setup.tools[1].length_offset_number(), taken);
         assert_ne!(taken, own.number);
+    }
+
+    #[test]
+    fn tools_have_the_numbers_that_they_got_in_the_file() {
+        let mut library = ShopLibrary::default();
+        library.copy(0);
+        let given = library.content().clone();
+        let mut written = given.clone();
+        written.edit(&[], |tools| Arc::make_mut(&mut tools.tools[0]).tool.renumber(4711));
+        library.note_saved("shop.json".into(), given.clone(), written.clone());
+        assert_eq!(library.content().tools[0].tool.number, 4711);
+        assert!(!library.is_unsaved());
+        // What was edited meanwhile stays, and is unsaved.
+        library.delete(1);
+        let edited = library.content().clone();
+        library.note_saved("shop.json".into(), written.clone(), written);
+        assert!(*library.content() == edited && library.is_unsaved());
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::io::part_hash::PartHash;
 use crate::io::plan_inputs::{is_plan_file, read_plan_inputs};
 use crate::io::project_file::EXTENSION;
 use crate::io::setup_file::{looks_like_setup, write_setup_beside};
-use crate::io::shop_tools::{check_replaced_library, fusion_for, write_toml};
+use crate::io::shop_tools::{LibraryTool, ToolLibrary, check_replaced_library, fusion_for, write_toml};
 use crate::io::source::read_bytes;
 use crate::io::write::{write_all_atomically, write_atomically};
 use crate::job::assess::AssessedPart;
@@ -185,10 +185,18 @@ pub struct Written {
     pub text: String,
     /// A project that was written; `None` for other files.
     pub project: Option<WrittenProject>,
-    /// Content of a tool library; `None` for other files.
-    pub library: Option<LibraryState>,
+    /// A tool library that was written; `None` for other files.
+    pub library: Option<WrittenLibrary>,
     /// What plan a program is of, and its file; `None` for other files.
     pub program: Option<(ProgramPlan, ProgramFile)>,
+}
+
+/// A tool library that was written.
+pub struct WrittenLibrary {
+    /// As it was to be written.
+    pub given: LibraryState,
+    /// As it was written: some tools may have got other numbers.
+    pub written: LibraryState,
 }
 
 /// A project that was written.
@@ -357,6 +365,8 @@ pub fn write(task: &WriteTask, monitor: &Monitor) -> Result<Written, Unwritten> 
 fn write_file(task: &WriteTask, purpose: Purpose, monitor: &Monitor) -> Result<Written, WriteError> {
     // What the message says beside the path.
     let mut about = String::new();
+    let (mut program, mut saved_library) = (None, None);
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let (path, bytes) = match task {
         WriteTask::Project(project) if project.is_changed_on_disk() => {
             return Err(WriteError::ChangedOnDisk(project.path.clone()));
@@ -365,31 +375,37 @@ fn write_file(task: &WriteTask, purpose: Purpose, monitor: &Monitor) -> Result<W
         WriteTask::Setup(path, setup) => (path, write_setup_beside(setup, path).into_bytes()),
         WriteTask::Library(path, library) => {
             let is_fusion = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
-            let text = if is_fusion {
+            let (text, written) = if is_fusion {
                 let merged = fusion_for(path, library)?;
-                about = merged.notes.iter().map(|note| format!("; {note}")).collect();
-                merged.text
+                about = moved_words(library, &merged.library);
+                (merged.text, merged.library)
             } else {
                 check_replaced_library(path)?;
-                write_toml(library)
+                (write_toml(library), ToolLibrary::clone(library))
             };
+            let given = library.clone();
+            let written = if written == **library { given.clone() } else { written.into() };
+            saved_library = Some(WrittenLibrary { given, written });
             (path, text.into_bytes())
         }
         WriteTask::Cl(path, source) => {
             let text =
                 plunge_text(source, monitor).map_err(|unwritten| WriteError::of_program(unwritten, path))?;
+            program = Some((source.plan(), ProgramFile::apt(name(path))));
             (path, text.into_bytes())
         }
         WriteTask::Nc(path, content) => {
-            let (text, words) = nc_text(path, content, monitor)
+            let written = nc_text(path, content, monitor)
                 .map_err(|unwritten| WriteError::of_program(unwritten, path))?;
-            about = words;
-            (path, text.into_bytes())
+            about = written.about;
+            program = Some((content.source.plan(), written.file));
+            (path, written.text.into_bytes())
         }
         WriteTask::Flank(path, source) => {
             let (text, words) =
                 flank_text(source, monitor).map_err(|unwritten| WriteError::of_program(unwritten, path))?;
             about = words;
+            program = Some((source.plan(), ProgramFile::apt(name(path))));
             (path, text.into_bytes())
         }
         WriteTask::Scene(path, scene) => (path, scene_bytes(scene)),
@@ -419,25 +435,30 @@ fn write_file(task: &WriteTask, purpose: Purpose, monitor: &Monitor) -> Result<W
         }),
         _ => None,
     };
-    let library = match task {
-        WriteTask::Library(_, library) => Some(library.clone()),
-        _ => None,
-    };
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let program = match task {
-        WriteTask::Cl(_, source) => Some((source.plan(), ProgramFile::apt(name))),
-        WriteTask::Flank(_, source) => Some((source.plan(), ProgramFile::apt(name))),
-        WriteTask::Nc(_, content) => Some((content.source.plan(), content.file(name))),
-        _ => None,
-    };
     Ok(Written {
         purpose,
         file: path.clone(),
         text: format!("Wrote {}{about}", path.display()),
         project,
-        library,
+        library: saved_library,
         program,
     })
+}
+
+/// What numbers tools of a library have got in the file it was written to, where those that they had are
+/// taken there; empty where all keep theirs.
+fn moved_words(given: &ToolLibrary, written: &ToolLibrary) -> String {
+    let numbers = |(given, written): (&Arc<LibraryTool>, &Arc<LibraryTool>)| {
+        (given.tool.number != written.tool.number).then_some((given.tool.number, written.tool.number))
+    };
+    let moved: Vec<(u32, u32)> = given.tools.iter().zip(&written.tools).filter_map(numbers).collect();
+    match moved[..] {
+        [] => String::new(),
+        [(was, is)] => format!("; T{was} is T{is} there, as another tool has its number"),
+        [.., (_, last)] => {
+            format!("; {} tools have other numbers there, up to T{last}, as others have theirs", moved.len())
+        }
+    }
 }
 
 fn write_document(path: &Path, purpose: Purpose, document: &ReportPage) -> Result<Written, InputError> {

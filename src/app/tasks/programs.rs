@@ -17,7 +17,7 @@ use crate::io::nc::read_post;
 use crate::job::flank::FlankOutcome;
 use crate::job::flank_channels::FlankProgram;
 use crate::job::post::{PostFault, PostRequest, PostedProgram, post_program};
-use crate::machine::{BlankSize, ChannelCalls, INSTEAD_OF_CALLS};
+use crate::machine::{BlankSize, ChannelCalls, INSTEAD_OF_CALLS, PlacedPart};
 use crate::monitor::{Cancelled, Monitor};
 use crate::report::sheet::ProgramFile;
 use crate::setup::{AxisPolicy, ChannelSetup, Tool};
@@ -237,13 +237,14 @@ impl NcTask {
         self.target.is_subprogram.then(|| ChannelCalls::for_channels(channels, count, sequence))
     }
 
-    /// The program as a file of this `name`.
-    pub(super) fn file(&self, name: String) -> ProgramFile {
+    /// The program as a file of this `name`, with its part as `placed`.
+    fn file(&self, name: String, placed: &PlacedPart) -> ProgramFile {
         let PostTarget { machine, control, .. } = &self.target;
         let [machine, control] = [machine, control].map(|name| short_name(name));
         let calls = self.calls().and_then(ChannelCalls::words);
         let calls = calls.map_or_else(String::new, |words| format!(", subprogram {words}"));
-        ProgramFile { name, about: format!("NC code for {machine}, control {control}{calls}") }
+        let lies: String = placed.comments().iter().map(|comment| format!(", {comment}")).collect();
+        ProgramFile { name, about: format!("NC code for {machine}, control {control}{calls}{lies}") }
     }
 }
 
@@ -282,22 +283,29 @@ pub(super) fn plunge_text(source: &PlungeSource, monitor: &Monitor) -> Result<St
     Ok(write_apt(&source.accepted_program(monitor)?))
 }
 
-/// NC code of a program for the file `path`, and what to say of it.
+/// A program as NC code.
+pub(super) struct NcText {
+    /// Its text.
+    pub text: String,
+    /// What to say of it.
+    pub about: String,
+    /// Its file, as a setup sheet names it.
+    pub file: ProgramFile,
+}
+
+/// NC code of a program for the file `path`.
 ///
 /// # Errors
 /// When machine or post cannot be read, the machine cannot run the program, or that has faults that nobody
 /// was asked about; when cancelled.
-pub(super) fn nc_text(
-    path: &Path,
-    content: &NcTask,
-    monitor: &Monitor,
-) -> Result<(String, String), UnwrittenProgram> {
+pub(super) fn nc_text(path: &Path, content: &NcTask, monitor: &Monitor) -> Result<NcText, UnwrittenProgram> {
     let (posted, faults) = post(path, content, monitor)?;
     let (blocks, time) = (posted.written.block_words(), format_duration(posted.time_s()));
     let calls = content.calls().and_then(ChannelCalls::words);
     let calls = calls.map_or_else(String::new, |words| format!("; {words}"));
     let about = format!(": {blocks} for {}, {time}{calls}{faults}", short_name(&content.target.machine));
-    Ok((posted.written.text, about))
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(NcText { text: posted.written.text, about, file: content.file(name, &posted.placed) })
 }
 
 /// Posts a program, with what to say of its faults. Moves are named in messages by their numbers.

@@ -85,8 +85,11 @@ fn scale(state: &AppState) -> Option<Scale> {
         let distance = state.look.solid_colours == SolidColours::Distance;
         return distance.then(|| of("Distance to part", ColourMap::Cividis, false, None)).flatten();
     }
+    // Walls and difference map are those of whole plans, wherever the timeline stands.
+    let is_cut_part = state.timeline_cut().is_some_and(|cut| cut < state.timeline_len());
     if let Some(most) = state.shown_deviation() {
-        return of("Residual on walls", ColourMap::Difference, true, Some(most));
+        let head = if is_cut_part { "Finished walls" } else { "Residual on walls" };
+        return of(head, ColourMap::Difference, true, Some(most));
     }
     if state.look.operation != Operation::Roughing
         || state.results.planned.is_none()
@@ -95,9 +98,7 @@ fn scale(state: &AppState) -> Option<Scale> {
         return None;
     }
     match state.look.layers.floor {
-        // The map is that of whole plans, wherever the timeline stands.
         _ if state.look.difference => {
-            let is_cut_part = state.timeline_cut().is_some_and(|cut| cut < state.timeline_len());
             let head = if is_cut_part { "Finished: after − before" } else { "Stock after − before" };
             of(head, ColourMap::Difference, true, None)
         }

@@ -1,6 +1,7 @@
 //! Writing tools into a Fusion library that exists: what Vanecut does not know of it stays, byte for byte.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use serde_json::{Value, json};
 
@@ -8,7 +9,7 @@ use super::fusion::mills_of_entries;
 use super::fusion_units::unit_mm;
 use super::fusion_write::{entry_of, write_fusion};
 use super::json::{elements, json_text, tool_tree, with_values};
-use super::library::move_tool;
+use super::library::{free_number, is_moved, move_tool};
 use super::{LibraryTool, ToolLibrary};
 use crate::error::ErrorCode;
 use crate::io::InputError;
@@ -19,7 +20,7 @@ use crate::setup::{Tool, ToolAssembly};
 const SAME: f64 = 1e-6;
 
 /// A library with tools written into it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct MergedLibrary {
     /// The text of the library.
     pub text: String,
@@ -31,14 +32,23 @@ pub struct MergedLibrary {
     pub kept: usize,
     /// What was not written as it was given.
     pub notes: Vec<String>,
+    /// The tools as they are written, in the order of those given: some under other numbers.
+    pub library: ToolLibrary,
+}
+
+impl MergedLibrary {
+    /// A library that is written as it is, where none is: its `text`.
+    pub(super) fn of_new_file(text: String, library: &ToolLibrary) -> Self {
+        Self { text, added: library.tools.len(), library: library.clone(), ..Self::default() }
+    }
 }
 
 /// Writes the tools of `library` into the Fusion library `existing`, whose name in messages is `name`.
 ///
 /// The entry of a tool is the mill with its number and name, or the only one with its number and diameter. In
 /// it the values that differ are replaced, in its own unit; the rest of it stays as it is written. A tool
-/// without an entry is added at the end, under a free number where another tool there has its own, drills too:
-/// `notes` name it. No entry is removed.
+/// without an entry is added at the end. Where another entry has its number, one of a drill for instance, it
+/// gets a free one, or that which it got when it was written before; `notes` name it. No entry is removed.
 ///
 /// # Errors
 /// When `existing` is not a Fusion library.
@@ -50,39 +60,52 @@ pub fn merge_fusion(name: &str, existing: &[u8], library: &ToolLibrary) -> Resul
     let text = json_text(name, existing)?;
     let entries = elements(text, "data", usize::MAX).ok_or_else(|| fault("has no list `data`".to_owned()))?;
     if entries.is_empty() {
-        let added = library.tools.len();
-        return Ok(MergedLibrary { text: write_fusion(library), added, ..MergedLibrary::default() });
+        return Ok(MergedLibrary::of_new_file(write_fusion(library), library));
     }
     let (mills, there) = mills_of_entries(&entries);
     let own = library.tools.iter().map(|entry| entry.tool.number);
     let mut numbers: BTreeSet<u32> = there.iter().copied().chain(own).collect();
-    let mut notes = Vec::new();
+    let (mut notes, mut written) = (Vec::new(), Vec::new());
     let mut replaced: Vec<Option<String>> = vec![None; entries.len()];
     let mut added = Vec::new();
     let mut is_taken = vec![false; entries.len()];
-    for tool in library.tools.iter().map(|tool| &**tool) {
-        let Some((index, known)) = entry_for(tool, &mills).filter(|(index, _)| !is_taken[*index]) else {
-            let mut tool = tool.clone();
-            if there.contains(&tool.tool.number) {
-                notes.push(move_tool(&mut tool, &mut numbers));
-            }
-            added.push(entry_of(&tool));
-            continue;
-        };
-        is_taken[index] = true;
-        let mut tree = tool_tree(entries[index]).map_err(&fault)?;
-        let before = tree.clone();
-        change_entry(&mut tree, known, tool).map_err(&fault)?;
-        if tree != before {
-            replaced[index] = Some(with_values(entries[index], &tree));
+    let mut own_entry = |tool: &Arc<LibraryTool>| {
+        let found = entry_for(tool, &mills).filter(|(index, _)| !is_taken[*index]);
+        found.inspect(|(index, _)| is_taken[*index] = true)
+    };
+    // All of them first: none is that of a tool that was moved.
+    let own: Vec<Option<(usize, &LibraryTool)>> = library.tools.iter().map(&mut own_entry).collect();
+    for (entry, mut found) in library.tools.iter().zip(own) {
+        let mut entry = Arc::clone(entry);
+        if found.is_none() && there.contains(&entry.tool.number) {
+            let moved = |(index, known): &&(usize, LibraryTool)| {
+                !is_taken[*index] && is_moved(&known.tool, &entry.tool)
+            };
+            found = mills.iter().find(moved).map(|(index, known)| (*index, known));
+            let number = found.map_or_else(|| free_number(&numbers), |(_, known)| known.tool.number);
+            numbers.insert(number);
+            notes.push(move_tool(Arc::make_mut(&mut entry), number));
         }
+        if let Some((index, known)) = found {
+            is_taken[index] = true;
+            let mut tree = tool_tree(entries[index]).map_err(&fault)?;
+            let before = tree.clone();
+            change_entry(&mut tree, known, &entry).map_err(&fault)?;
+            if tree != before {
+                replaced[index] = Some(with_values(entries[index], &tree));
+            }
+        } else {
+            added.push(entry_of(&entry));
+        }
+        written.push(entry);
     }
     let changed = replaced.iter().flatten().count();
     let counts = (changed, added.len(), entries.len() - changed);
     let added = added.iter().map(|entry| serde_json::to_string_pretty(entry).unwrap_or_default());
     let text = spliced(text, &entries, &replaced, &added.collect::<Vec<_>>())
         .ok_or_else(|| fault("cannot be changed".to_owned()))?;
-    Ok(MergedLibrary { text, changed: counts.0, added: counts.1, kept: counts.2, notes })
+    let library = ToolLibrary { tools: written, ..library.clone() };
+    Ok(MergedLibrary { text, changed: counts.0, added: counts.1, kept: counts.2, notes, library })
 }
 
 /// `text` with some of its `entries` replaced, and others added after the last one; `None` where they are not

@@ -5,8 +5,8 @@ use serde_json::{Map, Value, json};
 use super::{LibraryTool, ToolLibrary};
 use crate::io::hash::{FNV_START, fnv1a};
 
-/// What a Fusion library that is written here does not hold, although Fusion keeps it, as lines for the user:
-/// one that is `new`, or one that is there. The last only where a tool has an insert width.
+/// What must be known of a Fusion library before it is written, as lines for the user: what it does not hold
+/// where it is `new`, or what becomes of one that is there. The last only where a tool has an insert width.
 pub fn missing_in_fusion(library: &ToolLibrary, new: bool) -> Vec<String> {
     let mut lines = match new {
         true => vec![
@@ -16,12 +16,13 @@ pub fn missing_in_fusion(library: &ToolLibrary, new: bool) -> Vec<String> {
             "Names of holders, and inches: all lengths are in mm".to_owned(),
         ],
         false => vec![
-            "Vendor, product and coolant of tools that are new in it; the others keep theirs".to_owned(),
-            "Tools that were removed from the list: they stay in the file".to_owned(),
+            "Tools that are new in it have no vendor, product and coolant; the others keep theirs".to_owned(),
+            "Tools that are new in it get free numbers where others, drills too, have theirs".to_owned(),
+            "Tools that were removed from the list stay in the file".to_owned(),
         ],
     };
     if library.tools.iter().any(|entry| entry.tool.core_radius() > 0.0) {
-        lines.push("Insert widths, which Fusion does not know".to_owned());
+        lines.push("Insert widths are not in it: Fusion does not know them".to_owned());
     }
     lines
 }

@@ -12,6 +12,8 @@ use crate::io::tool_file::{MAX_NAME, MAX_NUMBER, MAX_TOOLS, WrittenRates, read_t
 use crate::setup::Tool;
 use crate::setup::cutting_data::fill_rates;
 
+/// Difference up to which two lengths count as equal, mm: formats round them.
+const SAME_LENGTH: f64 = 1e-6;
 /// Overhang in cutter diameters where a library has none.
 pub(super) const OVERHANG_DIAMETERS: f64 = 4.0;
 
@@ -113,13 +115,20 @@ pub(super) fn number_tools(library: &mut ToolLibrary) {
     }
 }
 
-/// Gives a tool, whose number another tool of a file has, one that is not among the `taken` ones, and takes
-/// it; returns a note that says so.
-pub(super) fn move_tool(entry: &mut LibraryTool, taken: &mut BTreeSet<u32>) -> String {
-    let (was, free) = (entry.tool.number, free_number(taken));
-    taken.insert(free);
-    entry.tool.renumber(free);
-    format!("tool {was}: another tool there has its number: it is tool {free}")
+/// Gives a tool, whose number another tool of a file has, the number `to`; returns a note that says so.
+pub(super) fn move_tool(entry: &mut LibraryTool, to: u32) -> String {
+    let was = entry.tool.number;
+    entry.tool.renumber(to);
+    format!("tool {was}: another tool there has its number: it is tool {to}")
+}
+
+/// Whether the tool that is `there` is `tool` under another number, as it was written before: a tool without
+/// a name is not known again.
+pub(super) fn is_moved(there: &Tool, tool: &Tool) -> bool {
+    let size = |tool: &Tool| [tool.diameter, tool.corner_radius, tool.overhang];
+    let same = size(there).iter().zip(size(tool)).all(|(a, b)| (a - b).abs() <= SAME_LENGTH);
+    let name = &tool.assembly.name;
+    there.number != tool.number && name.is_some() && there.assembly.name == *name && same
 }
 
 /// A description cut to the length of a name; `None` when it is empty.
@@ -175,10 +184,18 @@ const MISSING_RATE: &str = "in the library: by `material` of the setup; without 
 
 impl LibraryTool {
     /// Replaces the tool of this entry by `tool`. A value that changes was entered by the user: the note that
-    /// it is missing or assumed is removed. That of the insert width stays as long as it says how wide it is:
-    /// another diameter changes what is said, and an insert that is cut to a smaller one was not entered.
-    pub fn replace(&mut self, tool: Tool) {
+    /// it is missing or assumed is removed. An assumed insert width that was not entered follows the diameter,
+    /// also where it was cut to a smaller one.
+    pub fn replace(&mut self, mut tool: Tool) {
         let before = &self.tool;
+        let is_noted = |words: &str| self.notes.iter().any(|note| note.contains(words));
+        let is_assumed = |insert: &AssumedInsert| is_noted(insert.note());
+        if let Some(insert) = AssumedInsert::ALL.into_iter().find(is_assumed)
+            && tool.diameter != before.diameter
+            && tool.insert_width == before.insert_width.min(tool.radius())
+        {
+            tool.insert_width = insert.width(tool.radius());
+        }
         let mut given = vec![MISSING_RATE];
         given.extend((!tool.assembly.holder.is_empty()).then_some(UNKNOWN_HOLDER));
         given.extend(AssumedInsert::ALL.iter().filter(|insert| !insert.is_of(&tool)).map(|i| i.note()));

@@ -175,8 +175,7 @@ pub fn fusion_for(path: &Path, library: &ToolLibrary) -> Result<MergedLibrary, I
         return merge_fusion(&name_of(path), &read_bytes_up_to(path, MAX_LIBRARY_BYTES)?, library);
     }
     check_replaced_library(path)?;
-    let (text, added) = (write_fusion(library), library.tools.len());
-    Ok(MergedLibrary { text, added, ..MergedLibrary::default() })
+    Ok(MergedLibrary::of_new_file(write_fusion(library), library))
 }
 
 /// The text of our TOML with these tools for a file at `path`: a library that is there keeps its other tools.

@@ -1,9 +1,10 @@
 //! Writing tools into a library of our own that exists: its other tools stay, with their comments.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use super::fusion_merge::MergedLibrary;
-use super::library::move_tool;
+use super::library::{free_number, is_moved, move_tool};
 use super::toml_write::write_toml;
 use super::{LibraryTool, ToolLibrary};
 use crate::error::ErrorCode;
@@ -29,8 +30,7 @@ pub fn merge_toml(name: &str, existing: &[u8], library: &ToolLibrary) -> Result<
         Source::new(name, ErrorCode::FileNotWritten).fault(0, what, "name another file to write")
     };
     if existing.trim_ascii().is_empty() {
-        let (text, added) = (write_toml(library), library.tools.len());
-        return Ok(MergedLibrary { text, added, ..MergedLibrary::default() });
+        return Ok(MergedLibrary::of_new_file(write_toml(library), library));
     }
     let text = String::from_utf8_lossy(existing);
     let mut blocks = blocks_of(&text);
@@ -45,24 +45,38 @@ pub fn merge_toml(name: &str, existing: &[u8], library: &ToolLibrary) -> Result<
     numbers.extend(library.tools.iter().map(|entry| entry.tool.number));
     let mut merged = MergedLibrary::default();
     let mut added = ToolLibrary::default();
-    for entry in &library.tools {
-        let number = entry.tool.number;
-        let Some(index) = known.iter().position(|tool| tool.number == number) else {
-            added.tools.push(entry.clone());
-            continue;
-        };
-        if !is_same(&known[index], &entry.tool) {
-            let mut moved = LibraryTool::clone(entry);
-            merged.notes.push(move_tool(&mut moved, &mut numbers));
-            added.tools.push(moved.into());
-        } else if known[index] != entry.tool {
-            let one = ToolLibrary { tools: vec![entry.clone()], ..ToolLibrary::default() };
-            let tool = blocks.iter_mut().filter(|block| block.starts_with_header()).nth(index);
-            if let Some(block) = tool {
-                block.tool = write_toml(&one);
-            }
-            merged.changed += 1;
+    let mut is_taken = vec![false; known.len()];
+    let place_of = |tool: &Tool| known.iter().position(|there| there.number == tool.number);
+    let mut own_place = |entry: &Arc<LibraryTool>| {
+        let found = place_of(&entry.tool).filter(|&index| is_same(&known[index], &entry.tool));
+        found.inspect(|&index| is_taken[index] = true)
+    };
+    // All of them first: none is that of a tool that was moved.
+    let own: Vec<Option<usize>> = library.tools.iter().map(&mut own_place).collect();
+    for (entry, mut found) in library.tools.iter().zip(own) {
+        let mut entry = Arc::clone(entry);
+        if found.is_none() && place_of(&entry.tool).is_some() {
+            let mut others = known.iter().zip(&is_taken);
+            found = others.position(|(tool, is_taken)| !is_taken && is_moved(tool, &entry.tool));
+            let number = found.map_or_else(|| free_number(&numbers), |index| known[index].number);
+            numbers.insert(number);
+            merged.notes.push(move_tool(Arc::make_mut(&mut entry), number));
         }
+        match found {
+            None => added.tools.push(Arc::clone(&entry)),
+            Some(index) => {
+                is_taken[index] = true;
+                if known[index] != entry.tool {
+                    let one = ToolLibrary { tools: vec![Arc::clone(&entry)], ..ToolLibrary::default() };
+                    let tool = blocks.iter_mut().filter(|block| block.starts_with_header()).nth(index);
+                    if let Some(block) = tool {
+                        block.tool = write_toml(&one);
+                    }
+                    merged.changed += 1;
+                }
+            }
+        }
+        merged.library.tools.push(entry);
     }
     merged.added = added.tools.len();
     merged.kept = known.len() - merged.changed;
@@ -133,7 +147,7 @@ mod tests {
     #[test]
     fn tools_that_are_there_stay() {
         let new = library(
-            "[[tool]]\nnumber = 1\ndiameter = 6\noverhang = 44\n[[tool]]\nnumber = 2\ndiameter = 12\n\
+            "[[tool]]\nnumber = 1\ndiameter = 6\noverhang = 44\n[[tool]]\nnumber = 2\nname = \"new\"\ndiameter = 12\n\
              [[tool]]\nnumber = 3\ndiameter = 4\n",
         );
         let merged = merge_toml("shop.toml", SHOP.as_bytes(), &new).expect("merges");
@@ -146,7 +160,11 @@ mod tests {
         for kept in ["# Magazine 1", "# for the outlet", "number = 2\n# reground\ndiameter = 9.8\n"] {
             assert!(merged.text.contains(kept), "{kept} in {}", merged.text);
         }
-        // What is written once more changes nothing.
+        // What is written once more changes nothing, by its number there or its own.
+        let twice = merge_toml("shop.toml", merged.text.as_bytes(), &new).expect("merges");
+        assert_eq!((twice.text, twice.changed, twice.added, twice.kept), (merged.text.clone(), 0, 0, 4));
+        let numbers: Vec<u32> = twice.library.tools.iter().map(|entry| entry.tool.number).collect();
+        assert_eq!(numbers, [1, 4, 3]);
         let again = library(&merged.text);
         let twice = merge_toml("shop.toml", merged.text.as_bytes(), &again).expect("merges");
         assert_eq!((twice.text, twice.changed, twice.added, twice.kept), (merged.text, 0, 0, 4));

@@ -10,6 +10,7 @@ use crate::flank::UncutLength;
 use crate::flank::choice::overhang_note;
 use crate::job::flank::FlankOutcome;
 use crate::job::flank_channels::FlankProgram;
+use crate::machine::MachineClock;
 use crate::report::html::escaped;
 use crate::report::words::{channels_text, left_out_text, tool_loads_text};
 use crate::report::{PagePicture, ReportPage};
@@ -31,7 +32,8 @@ pub struct FlankSheetInput<'a> {
 /// The sheet with `pictures` of its plan.
 pub fn flank_sheet(input: &FlankSheetInput, pictures: Vec<PagePicture>) -> ReportPage {
     let outcome = input.outcome;
-    let part = SheetPart { workpiece: &outcome.workpiece, setup: &outcome.setup };
+    let FlankOutcome { workpiece, setup, clock, .. } = outcome;
+    let part = SheetPart { workpiece, setup, machine: clock.as_ref().map(MachineClock::machine) };
     let body = [
         part.text(),
         warnings(input),
@@ -78,6 +80,7 @@ fn warnings(input: &FlankSheetInput) -> String {
         None => found.push("The program could not be verified.".to_owned()),
         Some(verdict) => {
             for (share, what) in [
+                (verdict.layer.uncut_share.into(), "of the accessible floor stays uncut"),
                 (verdict.unmilled_wall_share, "of the walls is not milled"),
                 (verdict.uncovered.share(), "of the floor keeps more than the scallop height"),
             ] {

@@ -9,12 +9,13 @@ use std::path::Path;
 
 use super::html::escaped;
 use super::words::{
-    as_sentence, channels_text, clearances_text, finishing_text, minutes, minutes_text, tool_loads_text,
+    as_sentence, channels_text, clearances_text, counted, finishing_text, minutes, minutes_text,
+    tool_loads_text,
 };
 use super::{PagePicture, ReportPage};
 use crate::job::{PlanOutcome, PolicyResult, Summary};
-use crate::machine::{MachineTool, SectionTime};
-use crate::part::Workpiece;
+use crate::machine::{MachineTool, PlacedPart, SectionTime};
+use crate::part::{Impeller, Workpiece};
 use crate::plunge::channels::count_tool_loads;
 use crate::plunge::{DropReason, UnappliedEdit};
 use crate::setup::cutting_data::cutting_speed_at;
@@ -85,6 +86,8 @@ fn program_files(files: &[ProgramFile], plan: &str) -> String {
 struct SheetPart<'a> {
     workpiece: &'a Workpiece,
     setup: &'a Setup,
+    /// The machine of the setup, if it is known.
+    machine: Option<&'a MachineTool>,
 }
 
 /// The page of a sheet with this `body`, followed by the pictures.
@@ -105,7 +108,8 @@ fn page(part: &SheetPart, body: &str, pictures: Vec<PagePicture>) -> ReportPage 
 
 /// The sheet with `pictures` of its plan.
 pub fn setup_sheet(input: &SheetInput, pictures: Vec<PagePicture>) -> ReportPage {
-    let part = SheetPart { workpiece: &input.outcome.workpiece, setup: &input.outcome.setup };
+    let PlanOutcome { workpiece, setup, clock, .. } = input.outcome;
+    let part = SheetPart { workpiece, setup, machine: clock.machine() };
     let body = [
         part.text(),
         warnings_text(input),
@@ -150,15 +154,35 @@ impl SheetPart<'_> {
         format!(
             "<p>{UNITS}</p>\n<p>D {:.2} mm, {} blades{}. Material: {material}. Machine: {machine}.</p>\n\
              <div class=\"keep\">{}<p>Zero of the program: the axis of rotation at z = 0 of the part; \
-             Z along the axis. Hub blue, shroud dashed, blank grey. Stock that stays: hub {} mm, \
+             Z along the axis. {} Hub blue, shroud dashed, blank grey. Stock that stays: hub {} mm, \
              blades {} mm.</p></div>\n",
             2.0 * part.rim_radius(),
             part.blade_count,
             if part.splitters.is_empty() { "" } else { " and splitters" },
             drawing::part_svg(part, blank),
+            placement_text(part, self.machine),
             stock.hub_allowance,
             stock.blade_allowance,
         )
+    }
+}
+
+/// How the part lies in NC programs, whose machine may want it turned over, in a sentence.
+fn placement_text(part: &Impeller, machine: Option<&MachineTool>) -> String {
+    let Some(machine) = machine else {
+        return "The part lies so in APT programs; the head of an NC program says where it is turned for its \
+                machine."
+            .to_owned();
+    };
+    let name = escaped(&machine.name);
+    let lies = PlacedPart::from_placement(&machine.part, part).comments();
+    let inlet = if machine.part.inlet_up { "up" } else { "down" };
+    match lies.is_empty() {
+        true => format!("The part lies so in NC programs for {name}, too: inlet {inlet}."),
+        false => format!(
+            "The part lies so in APT programs only. <b>In NC programs for {name}: {}, inlet {inlet}.</b>",
+            lies.join(", ")
+        ),
     }
 }
 
@@ -179,7 +203,8 @@ fn warnings_text(input: &SheetInput) -> String {
     for why in DropReason::ALL {
         let count = plan.dropped.iter().filter(|dropped| dropped.why == why).count();
         if count > 0 {
-            warnings.push(format!("{count} positions are left out {}.", why.words()));
+            let left_out = counted(count, "position is", "positions are");
+            warnings.push(format!("{left_out} left out {}.", why.words()));
         }
     }
     warnings.extend(unapplied_edits(input));
@@ -402,11 +427,13 @@ fn policies_text(outcome: &PlanOutcome) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::machine_file::read_machine;
+    use crate::io::part_file::read_part;
     use crate::io::tool_library::plunge_cutters;
 
     #[test]
     fn a_tool_that_turns_too_fast_and_a_shared_offset_stand_before_the_program() {
-        let mut tools = plunge_cutters()[..2].to_vec();
+        let mut tools: Vec<Tool> = plunge_cutters().iter().rev().take(2).cloned().collect();
         for tool in &mut tools {
             tool.assembly.length_offset = Some(5);
         }
@@ -416,6 +443,19 @@ mod tests {
         let [fast, offset] = &warnings[..] else { panic!("{warnings:?}") };
         assert!(fast.starts_with("Much faster than the 30 m/min for nickel: T"), "{fast}");
         assert!(offset.ends_with(" have the same length offset, H5."), "{offset}");
+    }
+
+    #[test]
+    fn a_part_that_an_nc_program_turns_over_is_said_to_be() {
+        let part = read_part("assets/parts/pump6.toml".as_ref()).expect("readable");
+        let part = Impeller::build(&part).expect("an impeller");
+        let mut machine = read_machine("bc-trunnion".as_ref()).expect("known");
+        let text = placement_text(&part, Some(&machine));
+        assert!(text.contains("part turned over by half a turn about its X, inlet up"), "{text}");
+        machine.part.inlet_up = false;
+        let text = placement_text(&part, Some(&machine));
+        assert!(text.ends_with("too: inlet down."), "{text}");
+        assert!(placement_text(&part, None).contains("the head of an NC program says"));
     }
 
     #[test]

@@ -214,8 +214,8 @@ pub fn region_words(region: Region, splitters: usize) -> String {
     let name = |wall: WallName| wall_words(wall, splitters);
     match (region, splitters) {
         (Region::INLET, 0) => "the whole channel".to_owned(),
-        (Region::INLET, 1) => "before the splitter".to_owned(),
-        (Region::INLET, _) => "before the splitters".to_owned(),
+        (Region::INLET, 1) => "inlet, and round the splitter".to_owned(),
+        (Region::INLET, _) => "inlet, and round the splitters".to_owned(),
         // Without splitters only passes along the walls have a region of their own.
         (Region { low: WallName::Low, .. }, 0) => "along the suction side".to_owned(),
         (Region { .. }, 0) => "along the pressure side".to_owned(),

@@ -114,7 +114,11 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
                 let k = row.index();
                 let Some(pass) = found.passes.get(k) else { return };
                 row.set_selected(selected == Some(k));
-                let region = short_region_words(pass.region, splitters);
+                let region = match pass.region {
+                    // A pass round its nose stands in the region that it divides.
+                    Region::INLET if pass.along_wall && splitters > 0 => "splitter",
+                    region => short_region_words(region, splitters),
+                };
                 let wall = if pass.along_wall { " wall" } else { "" };
                 let channel = several.as_ref().map(|run| (run.channel_of(pass.from) + 1).to_string());
                 let numbers = [Some((k + 1).to_string()), channel, Some((pass.layer + 1).to_string())];

@@ -228,7 +228,9 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
     ));
     if let Some(verdict) = &outcome.verdict {
         ui.label(format!(
-            "{} of the walls is not milled. {} of the floor keeps more stock than the scallop height: {}",
+            "{} of the accessible floor and {} of the walls is not machined. {} of the floor keeps more stock \
+             than the scallop height: {}",
+            format_percent(verdict.layer.uncut_share.into()),
             format_percent(verdict.unmilled_wall_share),
             format_percent(verdict.uncovered.share()),
             parts_words(&verdict.uncovered),

@@ -62,10 +62,10 @@ impl LibraryPanel {
         self.library.as_ref().is_some_and(ShopLibrary::is_unsaved)
     }
 
-    /// Records that `content` was written to `path`.
-    pub fn note_saved(&mut self, path: PathBuf, content: LibraryState) {
+    /// Records that the library was written to `path`; see [`ShopLibrary::note_saved`].
+    pub fn note_saved(&mut self, path: PathBuf, given: LibraryState, written: LibraryState) {
         if let Some(library) = &mut self.library {
-            library.note_saved(path, content);
+            library.note_saved(path, given, written);
         }
     }
 
