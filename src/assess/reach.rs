@@ -48,6 +48,13 @@ pub struct ReachSection<'a> {
     pub is_rest: bool,
 }
 
+impl ReachSection<'_> {
+    /// What stands behind its ends in tables: " rest" where it mills what another tool left.
+    pub fn suffix(&self) -> &'static str {
+        if self.is_rest { " rest" } else { "" }
+    }
+}
+
 /// A cell of the floor.
 #[derive(Clone, Copy, Debug)]
 pub struct FloorCell {

@@ -161,6 +161,7 @@ fn sections_object(found: &AssessedPart) -> Value {
             map.insert("overhang".into(), json!(stretch.tool.overhang));
             map.insert("from".into(), json!(stretch.from));
             map.insert("to".into(), json!(stretch.to));
+            map.insert("rest".into(), json!(stretch.is_rest));
             for (key, wanted) in CLASS_KEYS.into_iter().zip(ReachSides::CLASSES) {
                 let share = found.assessment.reach.as_ref();
                 let share = share.map(|map| map.share_of_section(index, wanted));
@@ -251,18 +252,18 @@ fn passage_table(passage: &PassageMeasure, depths: &[(f64, f64)]) -> String {
 fn reach_table(found: &AssessedPart) -> String {
     let Some(map) = &found.assessment.reach else { return String::new() };
     let mut text = String::from(
-        "\nreach          tool    overhang mm  floor reached %  from outlet %  from inlet %  from both %\n",
+        "\nreach              tool    overhang mm  floor reached %  from outlet %  from inlet %  from both %\n",
     );
     let mut line = |name: String, tool: String, overhang: String, shares: [f64; 4]| {
         let [any, outlet, inlet, both] = shares.map(|x| 100.0 * x);
         text += &format!(
-            "{name:<13}  {tool:<6}  {overhang:>11}  \
+            "{name:<17}  {tool:<6}  {overhang:>11}  \
              {any:>15.1}  {outlet:>13.1}  {inlet:>12.1}  {both:>11.1}\n"
         );
     };
     for (index, s) in found.sections().into_iter().enumerate() {
         let shares = ReachSides::CLASSES.map(|wanted| map.share_of_section(index, wanted));
-        let name = format!("{:.2} to {:.2}", s.from, s.to);
+        let name = format!("{:.2} to {:.2}{}", s.from, s.to, s.suffix());
         line(name, format!("D {}", s.tool.diameter), format!("{:.0}", s.tool.overhang), shares);
     }
     line("all".to_owned(), String::new(), String::new(), ReachSides::CLASSES.map(|wanted| map.share(wanted)));

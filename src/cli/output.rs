@@ -396,9 +396,10 @@ pub fn reasons_text(plan: &PlungePlan, reasons: &[Option<String>]) -> String {
 /// What was added to the rows of each section, and why no more.
 pub fn added_text(plan: &PlungePlan) -> String {
     let mut text = String::new();
-    for section in &plan.sections {
-        if let Some(what) = section.added_words() {
+    for (index, section) in plan.sections.iter().enumerate() {
+        if let Some(added) = section.added_words() {
             let (from, to) = (section.from, section.to);
+            let what = plan.idle_words(index).map_or(added, |why| format!("no plunges, {why}"));
             text += &format!("{from:.2} to {to:.2}, D {}: {what}\n", section.tool.diameter);
         }
     }

@@ -84,6 +84,20 @@ pub struct PartPlacement {
     pub offset_name: String,
 }
 
+impl PartPlacement {
+    /// Number of the preset of the work offset, for controls that number them: 1 to 6 for `G54` to `G59`, or
+    /// the number that is given instead of a name. `None` for other names.
+    pub fn preset_number(&self) -> Option<u32> {
+        let name = self.offset_name.trim();
+        match name.strip_prefix(['G', 'g']) {
+            Some(word) => {
+                word.parse().ok().filter(|word| (54..=59).contains(word)).map(|word: u32| word - 53)
+            }
+            None => name.parse().ok(),
+        }
+    }
+}
+
 /// How turning links are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TurnLink {

@@ -294,7 +294,10 @@ impl<E> PlungePlan<E> {
         let most = DropReason::ALL.into_iter().map(|why| (count(why), why)).max_by_key(|(count, _)| *count);
         Some(match (most, section.added_words()) {
             (Some((count, why)), _) if count > 0 => format!("{count} positions {}", why.words()),
-            (_, Some(words)) => words,
+            (_, Some(words)) => match section.added.map_or(0, |added| added.count) {
+                0 => words,
+                count => format!("none of the {count} that were found is worth its time"),
+            },
             _ if section.kind == SectionKind::Rest => {
                 "rest milling is for the strategy of minimum stock only".to_owned()
             }

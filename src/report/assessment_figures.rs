@@ -111,7 +111,10 @@ fn reach(assessed: &AssessedPart) -> String {
     let mut rows = row("th", heads.map(str::to_owned));
     for (index, section) in assessed.sections().into_iter().enumerate() {
         let (from, to, tool) = (section.from, section.to, section.tool);
-        let name = [format!("{from:.2} to {to:.2}"), format!("T{} D {}", tool.number, tool.diameter)];
+        let name = [
+            format!("{from:.2} to {to:.2}{}", section.suffix()),
+            format!("T{} D {}", tool.number, tool.diameter),
+        ];
         let shares = ReachSides::CLASSES.map(|class| percent(map.share_of_section(index, class)));
         rows += &row("td", name.into_iter().chain([number(tool.overhang, 0)]).chain(shares));
     }

@@ -1,9 +1,9 @@
 //! How the part lies on the table: turned about Z, its origin elsewhere, its inlet up or down.
 
 use vanecut::geometry::{Point, Vector};
-use vanecut::io::nc::read_post;
+use vanecut::io::nc::{read_post, write_nc};
 use vanecut::job::post::{PostRequest, post_program};
-use vanecut::machine::{OutputKind, PlacedPart, gauge_length};
+use vanecut::machine::{MachineTool, OutputKind, PlacedPart, gauge_length};
 use vanecut::monitor::Monitor;
 
 use super::programs::{MACHINES, OUTPUTS, largest_difference, machine, moved, plunges, posted, read_back};
@@ -117,4 +117,26 @@ fn the_inlet_is_where_the_machine_wants_it() {
             assert!((x.cross(&y) - z).norm() < 1e-12);
         }
     }
+}
+
+/// Presets of Heidenhain have numbers; other controls take the name of the work offset as it is.
+#[test]
+fn the_work_offset_of_the_machine_file_is_chosen() {
+    let program = plunges();
+    let mut machine = machine("ac-trunnion");
+    let posted = |machine: &MachineTool, control: &str| {
+        let post = read_post(control).unwrap();
+        let motion = moved(machine, &program, &post, OutputKind::TcpAngles).unwrap();
+        write_nc(&program, machine, &motion, &post, OutputKind::TcpAngles, &[]).map(|written| written.text)
+    };
+    for (offset, preset) in [("G54", "+1"), ("g59", "+6"), ("7", "+7")] {
+        machine.part.offset_name = offset.to_owned();
+        let text = posted(&machine, "heidenhain").unwrap();
+        assert!(text.contains(&format!("CYCL DEF 247 Q339={preset}\n")), "{offset}: {text}");
+        assert!(read_back(&machine, "heidenhain", &text).is_ok(), "{offset}");
+    }
+    machine.part.offset_name = "G505".to_owned();
+    assert!(posted(&machine, "siemens").unwrap().contains("G505\n"));
+    let error = posted(&machine, "heidenhain").unwrap_err();
+    assert_eq!(error.message, "the control heidenhain numbers its presets, and `G505` is no number");
 }

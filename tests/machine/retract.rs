@@ -8,7 +8,7 @@ use super::links::found_by;
 use super::programs::{MACHINES, OUTPUTS, machine, placed, plunges, posted, read_back};
 
 /// Words with what they are changed to; each control has some of them.
-const CHANGES: [(&str, &str); 37] = [
+const CHANGES: [(&str, &str); 38] = [
     // Units, absolute positions, feed per minute, work offset.
     ("G21 ", ""),
     (" G71", ""),
@@ -16,6 +16,7 @@ const CHANGES: [(&str, &str); 37] = [
     ("G90 G94", "G90"),
     ("G54\n", "G55\n"),
     ("CYCL DEF 247 Q339=+1", "; "),
+    ("CYCL DEF 247 Q339=+1", "CYCL DEF 247 Q339=+2"),
     // The way to the retract position.
     ("G91 G28 Z0.", "G28 Z0."),
     ("G91 G28 Z0.", "G91 Z0."),

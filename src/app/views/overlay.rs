@@ -220,7 +220,11 @@ fn layer_switches(ui: &mut Ui, look: &mut Look, channels: usize, is_available: i
     } else {
         ui.label("Floor");
         for (floor, name) in FLOORS {
-            ui.radio_value(&mut look.layers.floor, floor, name);
+            // The difference map takes the place of all of them.
+            let is_shown = look.layers.floor == floor && !look.difference;
+            if ui.radio(is_shown, name).clicked() {
+                (look.layers.floor, look.difference) = (floor, false);
+            }
         }
         ui.separator();
         ui.label("Cutters by");

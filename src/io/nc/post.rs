@@ -57,11 +57,12 @@ impl Dialect {
 pub(super) const GROUPS: [&str; 8] =
     ["start", "retract", "tool", "ready", "leave", "end", "sub_start", "sub_end"];
 /// Words in braces that the writer fills in.
-const WORDS: [&str; 15] = [
+const WORDS: [&str; 16] = [
     "name",
     "number",
     "machine",
     "offset",
+    "preset",
     "retract",
     "tool",
     "length_offset",

@@ -6,6 +6,7 @@ use super::post::{Dialect, Post};
 use crate::error::{ErrorCode, UserError};
 use crate::geometry::{Point, Vector};
 use crate::io::apt::section_words;
+use crate::io::source::quote_for_message;
 use crate::machine::{
     LINEAR_NAMES, MachineProgram, MachineStep, MachineTool, OutputKind, Pose, StepMotion, gauge_length,
 };
@@ -64,7 +65,8 @@ impl NcProgram {
 /// ```
 ///
 /// # Errors
-/// When the control does not take `output`, or a tool has no number or spindle speed.
+/// When the control does not take `output`, a tool has no number or spindle speed, or the work offset has no
+/// number where the control numbers them.
 pub fn write_nc(
     program: &ClProgram,
     machine: &MachineTool,
@@ -74,6 +76,7 @@ pub fn write_nc(
     remarks: &[String],
 ) -> Result<NcProgram, UserError> {
     check(program, motion, post, output)?;
+    check_preset(machine, post)?;
     let mut writer = NcWriter {
         program,
         machine,
@@ -139,6 +142,18 @@ fn check(
         }
     }
     Ok(())
+}
+
+/// A control that numbers its presets needs the number of the machine's work offset.
+fn check_preset(machine: &MachineTool, post: &Post) -> Result<(), UserError> {
+    let mut blocks = post.blocks.values().chain(post.on.values()).chain(post.off.values()).flatten();
+    if machine.part.preset_number().is_some() || !blocks.any(|block| block.contains("{preset}")) {
+        return Ok(());
+    }
+    let name = quote_for_message(&machine.part.offset_name);
+    let what = format!("the control {} numbers its presets, and {name} is no number", post.name);
+    let help = "give the machine file its number as `offset`, or one of G54 to G59 for 1 to 6";
+    Err(UserError::new(ErrorCode::UnknownName, what, help))
 }
 
 /// The words that hold until others replace them.
@@ -230,6 +245,8 @@ impl NcWriter<'_> {
             put("number", &|_| "1000".to_owned());
             put("machine", &|w| comment_text(&w.machine.name));
             put("offset", &|w| w.machine.part.offset_name.clone());
+            // Checked before.
+            put("preset", &|w| w.machine.part.preset_number().map_or_else(String::new, |n| n.to_string()));
             put("retract", &|w| w.axis_word(2, w.machine.links.retract_z));
             if let Some(step) = step {
                 put("tool", &|w| w.tool(step).number.to_string());

@@ -184,8 +184,8 @@ const MISSING_RATE: &str = "in the library: by `material` of the setup; without 
 
 impl LibraryTool {
     /// Replaces the tool of this entry by `tool`. A value that changes was entered by the user: the note that
-    /// it is missing or assumed is removed. An assumed insert width that was not entered follows the diameter,
-    /// also where it was cut to a smaller one.
+    /// it is missing or assumed is removed. An assumed insert width that was not entered follows another
+    /// diameter.
     pub fn replace(&mut self, mut tool: Tool) {
         let before = &self.tool;
         let is_noted = |words: &str| self.notes.iter().any(|note| note.contains(words));

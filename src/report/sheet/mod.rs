@@ -176,11 +176,15 @@ fn placement_text(part: &Impeller, machine: Option<&MachineTool>) -> String {
     };
     let name = escaped(&machine.name);
     let lies = PlacedPart::from_placement(&machine.part, part).comments();
+    let offset = escaped(&machine.part.offset_name);
     let inlet = if machine.part.inlet_up { "up" } else { "down" };
     match lies.is_empty() {
-        true => format!("The part lies so in NC programs for {name}, too: inlet {inlet}."),
+        true => {
+            format!("The part lies so in NC programs for {name}, too: inlet {inlet}, work offset {offset}.")
+        }
         false => format!(
-            "The part lies so in APT programs only. <b>In NC programs for {name}: {}, inlet {inlet}.</b>",
+            "The part lies so in APT programs only. <b>In NC programs for {name}: {}, inlet {inlet}, work \
+             offset {offset}.</b>",
             lies.join(", ")
         ),
     }
@@ -454,7 +458,7 @@ mod tests {
         assert!(text.contains("part turned over by half a turn about its X, inlet up"), "{text}");
         machine.part.inlet_up = false;
         let text = placement_text(&part, Some(&machine));
-        assert!(text.ends_with("too: inlet down."), "{text}");
+        assert!(text.ends_with("too: inlet down, work offset G54."), "{text}");
         assert!(placement_text(&part, None).contains("the head of an NC program says"));
     }
 

@@ -142,9 +142,12 @@ fn show(
     // Another goal than that of the plan does not count it.
     let is_counted = matches!(goal, Goal::Total { .. }) && stands_at(handle, now, state);
     let total = finishing_s.filter(|_| is_counted).map(|seconds| now + seconds / 60.0);
-    let total_of_plan = total.zip(stock_at(&curve, handle));
+    // That of the plan itself, too: it may lie beside the curve.
+    let of_plan = planned.map(|outcome| outcome.after.summary.residual_p95);
+    let stock = of_plan.filter(|_| stands_at(handle, now, state)).or_else(|| stock_at(&curve, handle));
+    let total_of_plan = total.zip(stock);
     let curves = Curves { plunging: &curve, totals: &totals, total_of_plan, others: &others };
-    let dragged = plot(ui, &curves, handle, height);
+    let dragged = plot(ui, &curves, (handle, stock), height);
     let top = ui.cursor().top();
     let mut wanted = dragged;
     ui.horizontal(|ui| {

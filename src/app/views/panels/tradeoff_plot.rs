@@ -125,8 +125,9 @@ pub fn total_at(curve: &[CurvePlace], minutes: f64, totals: &[CurvePlace]) -> Op
     Some(slow + (fast - slow) * share)
 }
 
-/// Draws the plot; returns the time that the handle was dragged or clicked to.
-pub fn plot(ui: &mut Ui, curves: &Curves, handle: f64, height: f32) -> Option<f64> {
+/// Draws the plot with its handle at a time and, if that is known, a stock; returns the time that the handle
+/// was dragged or clicked to.
+pub fn plot(ui: &mut Ui, curves: &Curves, (handle, stock): (f64, Option<f64>), height: f32) -> Option<f64> {
     let &Curves { plunging: curve, totals, total_of_plan, others } = curves;
     let size = Vec2::new(ui.available_width(), height);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
@@ -194,7 +195,7 @@ pub fn plot(ui: &mut Ui, curves: &Curves, handle: f64, height: f32) -> Option<f6
         painter.galley(free.min, text, ink);
         names.push(free);
     }
-    if let Some(stock) = stock_at(curve, handle) {
+    if let Some(stock) = stock {
         let at = place((handle, stock));
         painter.vline(at.x, inner.y_range(), Stroke::new(1.0, accent.gamma_multiply(0.5)));
         let edge = if response.hovered() { ink } else { Color32::TRANSPARENT };

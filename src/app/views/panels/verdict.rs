@@ -175,7 +175,7 @@ pub fn height(width: f32) -> f32 {
     let lines = match width {
         ..520.0 => 4.0,
         520.0..800.0 => 3.0,
-        800.0..1500.0 => 2.0,
+        800.0..1700.0 => 2.0,
         _ => 1.0,
     };
     lines * (theme::ROW_HEIGHT + 3.0) + 6.0

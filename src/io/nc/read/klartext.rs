@@ -64,7 +64,11 @@ fn cycle(tokens: &mut Tokens<'_>, out: &mut Vec<NcWord>) -> Result<(), NcFault> 
     match number.split('.').next() {
         Some("32") => Ok(()),
         Some("247") => {
-            out.push(NcWord::Offset(None));
+            let preset = tokens.find_map(|token| token.strip_prefix("Q339="));
+            out.push(match preset {
+                Some(preset) => NcWord::Preset(leading_number(preset, false)?.0),
+                None => NcWord::Offset(None),
+            });
             Ok(())
         }
         _ => fault(format!("CYCL DEF {} is not read", quote_for_message(number)), UNKNOWN),

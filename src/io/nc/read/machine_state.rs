@@ -225,6 +225,7 @@ impl<'a> NcState<'a> {
                 NcWord::Incremental(on) => self.incremental = Some(*on),
                 NcWord::Millimetres => self.said.millimetres = true,
                 NcWord::Offset(number) => self.offset(line, *number)?,
+                NcWord::Preset(number) => self.preset(line, *number)?,
                 NcWord::Orientation => self.said.orientation = true,
                 NcWord::Interpolation => self.said.interpolation = true,
                 NcWord::IsCalled | NcWord::Return => self.said.is_called = true,
@@ -322,6 +323,18 @@ impl<'a> NcState<'a> {
         match wanted.map(|(wanted, _)| wanted).zip(number) {
             Some((wanted, number)) if (wanted - number).abs() > 1e-6 => {
                 let what = format!("G{number} is not the work offset {name} of the machine file");
+                Err(self.source.fault(line, what, "give that, or correct `offset` of the machine file"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The preset has to be that of the machine file, as far as that has a number.
+    fn preset(&mut self, line: usize, number: f64) -> Result<(), InputError> {
+        self.said.offset = true;
+        match self.machine().part.preset_number() {
+            Some(wanted) if (f64::from(wanted) - number).abs() > 1e-6 => {
+                let what = format!("preset {number} is not the preset {wanted} of the machine file");
                 Err(self.source.fault(line, what, "give that, or correct `offset` of the machine file"))
             }
             _ => Ok(()),

@@ -50,6 +50,8 @@ pub(super) enum NcWord {
     Millimetres,
     /// The work offset by its number, `None` where that says nothing.
     Offset(Option<f64>),
+    /// The work offset as the number of a preset.
+    Preset(f64),
     /// The tool turns as its rotary axes do, or as a vector does; said of the coordinates that count.
     Orientation,
     /// The same of how it turns from one position to the next.
