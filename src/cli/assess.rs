@@ -252,19 +252,20 @@ fn passage_table(passage: &PassageMeasure, depths: &[(f64, f64)]) -> String {
 fn reach_table(found: &AssessedPart) -> String {
     let Some(map) = &found.assessment.reach else { return String::new() };
     let mut text = String::from(
-        "\nreach              tool    overhang mm  floor reached %  from outlet %  from inlet %  from both %\n",
+        "\nreach          tool        overhang mm  floor reached %  from outlet %  from inlet %  from both %\n",
     );
     let mut line = |name: String, tool: String, overhang: String, shares: [f64; 4]| {
         let [any, outlet, inlet, both] = shares.map(|x| 100.0 * x);
         text += &format!(
-            "{name:<17}  {tool:<6}  {overhang:>11}  \
+            "{name:<13}  {tool:<10}  {overhang:>11}  \
              {any:>15.1}  {outlet:>13.1}  {inlet:>12.1}  {both:>11.1}\n"
         );
     };
     for (index, s) in found.sections().into_iter().enumerate() {
         let shares = ReachSides::CLASSES.map(|wanted| map.share_of_section(index, wanted));
-        let name = format!("{:.2} to {:.2}{}", s.from, s.to, s.suffix());
-        line(name, format!("D {}", s.tool.diameter), format!("{:.0}", s.tool.overhang), shares);
+        let name = format!("{:.2} to {:.2}", s.from, s.to);
+        let tool = format!("D {}{}", s.tool.diameter, s.suffix());
+        line(name, tool, format!("{:.0}", s.tool.overhang), shares);
     }
     line("all".to_owned(), String::new(), String::new(), ReachSides::CLASSES.map(|wanted| map.share(wanted)));
     text
