@@ -111,7 +111,7 @@ fn a_stopped_plan_is_sound_and_says_that_it_is_not_finished() {
 
 /// After the last section plunges are left out for the goal.
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
+#[ignore = "four whole plans, 9 s; scripts/nightly runs it"]
 fn a_plan_that_a_late_stop_changes_says_that_it_is_not_finished() {
     let request = request(AxisPolicy::Minimal);
     let whole = run(&request, &Monitor::default()).expect("a plan");

@@ -23,7 +23,7 @@ pub use super::limits::{MIN_INCLINATION, ReachLimits, ReachSides};
 use super::tool_placement::ReachObstacles;
 use crate::geometry::{Meridional, Point, wrap_angle};
 use crate::part::{BoundedPassage, Channel, Impeller, Passage, Workpiece};
-use crate::setup::Tool;
+use crate::setup::{SectionKind, Tool};
 
 /// Rows along s.
 const ROWS: usize = 40;
@@ -44,14 +44,13 @@ pub struct ReachSection<'a> {
     pub to: f64,
     /// The tool.
     pub tool: &'a Tool,
-    /// Whether it mills what the tool of another section left there.
-    pub is_rest: bool,
+    /// What it cuts.
+    pub kind: SectionKind,
 }
 
 impl ReachSection<'_> {
-    /// What stands behind its ends in tables: " rest" where it mills what another tool left.
-    pub fn suffix(&self) -> &'static str {
-        if self.is_rest { " rest" } else { "" }
+    fn is_rest(&self) -> bool {
+        self.kind == SectionKind::Rest
     }
 }
 
@@ -102,15 +101,15 @@ impl ReachMap {
     /// The map of the channel floor of `workpiece`.
     pub fn new(workpiece: &Workpiece, sections: &[ReachSection<'_>], limits: &ReachLimits) -> Self {
         let surroundings = ReachObstacles::new(workpiece, limits);
-        let first: Vec<&ReachSection> = sections.iter().filter(|section| !section.is_rest).collect();
-        let rest = sections.iter().filter(|section| section.is_rest).map(|section| vec![section]);
+        let first: Vec<&ReachSection> = sections.iter().filter(|section| !section.is_rest()).collect();
+        let rest = sections.iter().filter(|section| section.is_rest()).map(|section| vec![section]);
         let groups = std::iter::once(first).chain(rest);
         let groups: Vec<Vec<ReachRow>> =
             groups.map(|group| rows_of(workpiece, &group, &surroundings, limits)).collect();
         let mut last = 0;
         let group_of = |section: &ReachSection| {
-            last += usize::from(section.is_rest);
-            ([section.from, section.to], if section.is_rest { last } else { 0 })
+            last += usize::from(section.is_rest());
+            ([section.from, section.to], if section.is_rest() { last } else { 0 })
         };
         let sections = sections.iter().map(group_of).collect();
         let rows = groups[1..].iter().fold(groups[0].clone(), |mut rows, group| {
@@ -125,8 +124,8 @@ impl ReachMap {
         share(self.rows.iter().flat_map(|row| &row.cells), wanted)
     }
 
-    /// As [`Self::share`], of the floor of a section, by its index: that its tool reaches, and near its ends
-    /// those of the sections beside it.
+    /// As [`Self::share`], of the floor of a section, by its index among those that the map was made of: what
+    /// its tool reaches, and near its ends those of the sections beside it.
     pub fn share_of_section(&self, index: usize, wanted: impl Fn(ReachSides) -> bool) -> f64 {
         let ([from, to], group) = self.sections[index];
         let rows = self.groups[group].iter().filter(|row| (to..=from).contains(&row.s));
@@ -173,7 +172,7 @@ fn rows_of(
         .into_par_iter()
         .map(|row| {
             let s = s_of(row);
-            let is_rest_elsewhere = sections.iter().any(|section| section.is_rest && !holds(section, s));
+            let is_rest_elsewhere = sections.iter().any(|section| section.is_rest() && !holds(section, s));
             let walls = channel.full.wall_angles(part, s, 0.0).filter(|_| !is_rest_elsewhere);
             let Some(walls) = walls else { return ReachRow { s, cells: Vec::new() } };
             let cells = strips[row].iter().flat_map(|strip| strip.cells(&centres, surroundings, limits));

@@ -20,6 +20,7 @@ use crate::io::write::write_all_atomically;
 use crate::job::assess::AssessedPart;
 #[cfg(feature = "gpu")]
 use crate::report::assessment::assessment_page;
+use crate::setup::SectionKind;
 
 /// Assesses a part, writes pictures if requested, prints the figures.
 ///
@@ -161,7 +162,7 @@ fn sections_object(found: &AssessedPart) -> Value {
             map.insert("overhang".into(), json!(stretch.tool.overhang));
             map.insert("from".into(), json!(stretch.from));
             map.insert("to".into(), json!(stretch.to));
-            map.insert("rest".into(), json!(stretch.is_rest));
+            map.insert("rest".into(), json!(stretch.kind == SectionKind::Rest));
             for (key, wanted) in CLASS_KEYS.into_iter().zip(ReachSides::CLASSES) {
                 let share = found.assessment.reach.as_ref();
                 let share = share.map(|map| map.share_of_section(index, wanted));
@@ -264,7 +265,7 @@ fn reach_table(found: &AssessedPart) -> String {
     for (index, s) in found.sections().into_iter().enumerate() {
         let shares = ReachSides::CLASSES.map(|wanted| map.share_of_section(index, wanted));
         let name = format!("{:.2} to {:.2}", s.from, s.to);
-        let tool = format!("D {}{}", s.tool.diameter, s.suffix());
+        let tool = format!("D {}{}", s.tool.diameter, s.kind.suffix());
         line(name, tool, format!("{:.0}", s.tool.overhang), shares);
     }
     line("all".to_owned(), String::new(), String::new(), ReachSides::CLASSES.map(|wanted| map.share(wanted)));

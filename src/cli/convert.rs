@@ -24,6 +24,7 @@ use crate::job::FIELD_CELLS;
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;
 use crate::part::{Impeller, PartDescription};
+use crate::report::words::counted;
 use crate::stock::surface::fitting_range;
 use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of};
 
@@ -121,9 +122,8 @@ fn convert_library(args: &ConvertArgs, format: LibraryFormat) -> Result<(), Fail
     }
     let mut library = read_library(&args.input, format)?;
     check_is_no_input(&args.output, &[Some(&args.input)])?;
-    let count = library.tools.len();
-    let tools = if count == 1 { "tool" } else { "tools" };
-    let mut text = format!("wrote {}: {count} {tools}\n", args.output.display());
+    let tools = counted(library.tools.len(), "tool", "tools");
+    let mut text = format!("wrote {}: {tools}\n", args.output.display());
     let merged = if is_fusion { fusion_for } else { toml_for }(&args.output, &library)?;
     write_atomically(&args.output, merged.text.as_bytes())?;
     if merged.changed + merged.kept > 0 {

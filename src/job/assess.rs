@@ -53,7 +53,7 @@ fn sections_of(setup: &Setup) -> Vec<ReachSection<'_>> {
     let on_floor = sections.filter(|section| section.kind != SectionKind::Opening);
     on_floor
         .filter_map(|&SectionSetup { from, to, tool: number, kind, .. }| {
-            Some(ReachSection { from, to, tool: tool(number)?, is_rest: kind == SectionKind::Rest })
+            Some(ReachSection { from, to, tool: tool(number)?, kind })
         })
         .collect()
 }

@@ -112,7 +112,7 @@ fn reach(assessed: &AssessedPart) -> String {
     for (index, section) in assessed.sections().into_iter().enumerate() {
         let (from, to, tool) = (section.from, section.to, section.tool);
         let name = [
-            format!("{from:.2} to {to:.2}{}", section.suffix()),
+            format!("{from:.2} to {to:.2}{}", section.kind.suffix()),
             format!("T{} D {}", tool.number, tool.diameter),
         ];
         let shares = ReachSides::CLASSES.map(|class| percent(map.share_of_section(index, class)));

@@ -120,7 +120,7 @@ fn a_cylinder_is_opened_before_the_passes_and_these_are_planned_as_without_it() 
 
 /// The tools of the library are for steel: in another material they turn as its cutting data ask for.
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
+#[ignore = "two whole flank plans, 8 s; scripts/nightly runs it"]
 fn tools_of_the_library_have_the_rates_of_the_material() {
     let of_material = |material: Option<&str>| {
         planned(&request("pump6.toml", |setup| {
@@ -297,7 +297,7 @@ fn a_flank_file_reads_back_and_damage_is_reported() {
 }
 
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
+#[ignore = "four whole flank plans, 9 s; scripts/nightly runs it"]
 fn only_stale_stages_are_planned_again_and_to_the_same_end() {
     let job = FlankJob::default();
     let mut request = request("impeller9x9.toml", |setup| setup.flank.layer_depth = 20.0);

@@ -121,7 +121,6 @@ fn a_channel_without_room_is_refused_with_values_that_work() {
 
 /// A flat bottom leaves far more of the floor than a ball: the job on the whole wheel, by both.
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
 fn a_flat_end_is_taken_only_where_it_is_named() {
     let part = part_at("assets/parts/impeller532.toml");
     let mut setup = Setup::for_part(&part);

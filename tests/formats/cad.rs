@@ -360,7 +360,7 @@ fn a_part_written_as_step_is_the_same_part() {
 }
 
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
+#[ignore = "reads a large STEP file twice, 11 s; scripts/nightly runs it"]
 fn blades_that_go_on_past_the_ends_of_their_shroud_are_written_closed() {
     let part = built(&read_bytes("kj66.step", KJ66, &MeshOptions::default()));
     let (tip, end) = (Meridional::from_point(&part.main.suction.point(1.0, 1.0)), part.shroud.point(1.0));

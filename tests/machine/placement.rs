@@ -138,5 +138,8 @@ fn the_work_offset_of_the_machine_file_is_chosen() {
     machine.part.offset_name = "G505".to_owned();
     assert!(posted(&machine, "siemens").unwrap().contains("G505\n"));
     let error = posted(&machine, "heidenhain").unwrap_err();
-    assert_eq!(error.message, "the control heidenhain numbers its presets, and `G505` is no number");
+    assert_eq!(
+        error.message,
+        "the control heidenhain selects presets by number, but the work offset is `G505`"
+    );
 }

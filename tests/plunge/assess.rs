@@ -9,7 +9,7 @@ use vanecut::io::read_part;
 use vanecut::part::{
     BladeDescription, Channel, CurveDescription, Impeller, Meridional, PartDescription, SideProbe,
 };
-use vanecut::setup::{ClearanceSetup, Setup, Tool};
+use vanecut::setup::{ClearanceSetup, SectionKind, Setup, Tool};
 
 use super::samples::sample;
 
@@ -196,7 +196,7 @@ fn tool(diameter: f64, overhang: f64) -> Tool {
 
 fn reach(part: &Impeller, tool: &Tool) -> ReachMap {
     let workpiece = Setup::default().allowances.workpiece_of(part.clone());
-    ReachMap::new(&workpiece, &[ReachSection { from: 1.0, to: 0.0, tool, is_rest: false }], &LIMITS)
+    ReachMap::new(&workpiece, &[ReachSection { from: 1.0, to: 0.0, tool, kind: SectionKind::Rows }], &LIMITS)
 }
 
 #[test]
@@ -245,7 +245,7 @@ fn stock_before_the_inlet_is_in_the_way_of_holders() {
         let workpiece = setup.allowances.workpiece_of(part.clone());
         let map = ReachMap::new(
             &workpiece,
-            &[ReachSection { from: 1.0, to: 0.0, tool: &tool, is_rest: false }],
+            &[ReachSection { from: 1.0, to: 0.0, tool: &tool, kind: SectionKind::Rows }],
             &LIMITS,
         );
         map.share(|s| s.inlet)
@@ -260,11 +260,12 @@ fn rest_milling_reaches_what_its_own_tool_does() {
     let part = sample("pump6");
     let workpiece = Setup::default().allowances.workpiece_of(part.clone());
     let (thick, thin) = (tool(30.0, 150.0), tool(10.0, 150.0));
-    let section = |tool, from, to, is_rest| ReachSection { from, to, tool, is_rest };
+    let section = |tool, from, to, kind| ReachSection { from, to, tool, kind };
     let map = |sections: &[ReachSection]| ReachMap::new(&workpiece, sections, &LIMITS);
-    let alone = map(&[section(&thin, 1.0, 0.5, false)]).share_of_section(0, |s| s.any);
-    let first = map(&[section(&thick, 1.0, 0.0, false)]);
-    let both = map(&[section(&thick, 1.0, 0.0, false), section(&thin, 1.0, 0.5, true)]);
+    let alone = map(&[section(&thin, 1.0, 0.5, SectionKind::Rows)]).share_of_section(0, |s| s.any);
+    let first = map(&[section(&thick, 1.0, 0.0, SectionKind::Rows)]);
+    let both =
+        map(&[section(&thick, 1.0, 0.0, SectionKind::Rows), section(&thin, 1.0, 0.5, SectionKind::Rest)]);
     assert_eq!(both.share_of_section(1, |s| s.any), alone);
     assert_eq!(both.share_of_section(0, |s| s.any), first.share(|s| s.any));
     assert!(alone > both.share_of_section(0, |s| s.any) + 0.02, "{alone}: the thinner one reaches more");

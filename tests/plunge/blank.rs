@@ -198,7 +198,7 @@ fn a_cylinder_is_opened_down_to_the_shroud_and_the_channel_planned_as_without_it
 }
 
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
+#[ignore = "a plan of 21 s; scripts/nightly runs it"]
 fn a_holder_passes_through_what_was_opened_and_no_more() {
     let tool = |number: u32, diameter: f64, overhang: f64| Tool {
         number,

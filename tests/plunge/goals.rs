@@ -213,7 +213,7 @@ fn less_time_beats_the_published_rule() {
 }
 
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
+#[ignore = "two plans of a sample, 34 s; scripts/nightly runs it"]
 fn much_less_time_takes_fewer_rows() {
     let outcome = planned_sample("impeller9x9", "goal = \"time\"\nmax_stock = 2", 128);
     assert_eq!(outcome.density, RowDensity::Sparse);
@@ -287,7 +287,7 @@ fn goals_keep_their_limits() {
 /// No other point of the curve has a shorter total time. The slower semi-finishing is, the more plunges are
 /// kept.
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
+#[ignore = "three plans and their curves, 8 s; scripts/nightly runs it"]
 fn the_least_total_counts_what_semi_finishing_takes() {
     let mut times = Vec::new();
     for keys in ["finish_rate = 100", "finish_rate = 1000", "finish_rate = 1e6"] {

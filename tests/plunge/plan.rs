@@ -286,7 +286,7 @@ fn a_cancelled_plan_says_so() {
 }
 
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
+#[ignore = "two plans of a sample, 8 s; scripts/nightly runs it"]
 fn axes_stay_within_what_the_machine_reaches() {
     let part = sample("impeller532");
     let free = &sample_plans("impeller532").after.plan;
@@ -411,7 +411,7 @@ fn only_stale_sections_are_planned_again_and_the_plan_is_the_same() {
 /// Rows that begin within stock find no free core. What is cut behind them is not planned in vain, and where
 /// it is wanted all the same, the plan is the one that was made at once.
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
+#[ignore = "three plans, 8 s; scripts/nightly runs it"]
 fn a_plan_may_end_where_its_rows_starve() {
     let part = sample("impeller532");
     let (mut setup, _) = planned(&part, &Setup::default(), AxisPolicy::Conventional);

@@ -7,7 +7,7 @@ use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
 use vanecut::part::{BladeDescription, Channel, Impeller};
 use vanecut::plunge::Planner;
-use vanecut::setup::{AxisPolicy, Setup};
+use vanecut::setup::{AxisPolicy, SectionKind, Setup};
 use vanecut::stock::{FloorGrid, FloorSource, field_cutters, residual_field, statistics, stretches_of_setup};
 
 use super::disc::{RIM, cutter, disc};
@@ -79,7 +79,7 @@ fn the_machinability_is_that_of_all_passages() {
     };
     let tool = cutter(16.0, 5.0);
     let workpiece = setup.allowances.workpiece_of(split_disc());
-    let sections = [ReachSection { tool: &tool, from: 1.0, to: 0.0, is_rest: false }];
+    let sections = [ReachSection { tool: &tool, from: 1.0, to: 0.0, kind: SectionKind::Rows }];
     let found = Assessment::from_workpiece(&workpiece, &sections, &limits);
     let names: Vec<&str> = found.blades.iter().map(|blade| blade.name.as_str()).collect();
     assert_eq!(names, ["main", "splitter 1", "splitter 2"], "from the suction side of the main blade");

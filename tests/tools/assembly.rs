@@ -323,7 +323,7 @@ fn a_holder_is_in_the_way_of_an_edge_of_the_blank_anywhere_along_it() {
     let edges = blank.end_circles();
     let mut dice = super::sampled_tool::Dice::new(4);
     let mut beside_middle = 0;
-    for k in 0..200 {
+    for k in 0..600 {
         // A point of an edge that some height of the holder comes near to, from the side.
         let at = edges[k % edges.len()].at_angle(dice.between(0.0, std::f64::consts::TAU));
         let [x, y, z] = [(); 3].map(|()| dice.between(-1.0, 1.0));
@@ -350,5 +350,5 @@ fn a_holder_is_in_the_way_of_an_edge_of_the_blank_anywhere_along_it() {
             beside_middle += usize::from(sampled(0, 10).min(sampled(170, 180)) > 4.0);
         }
     }
-    assert!(beside_middle > 6, "{beside_middle}");
+    assert!(beside_middle > 20, "{beside_middle}");
 }

@@ -52,7 +52,7 @@ fn every_policy_keeps_random_assemblies_clear() {
 }
 
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
+#[ignore = "a whole plan, 9 s; scripts/nightly runs it"]
 fn a_shank_that_is_thinner_above_is_clear_on_the_way_out() {
     let part = Arc::new(sample("impeller9x9"));
     let text = "[[tool]]\nnumber = 21\ndiameter = 12.7\ninsert_width = 6.0\noverhang = 70.0\n\

@@ -86,14 +86,13 @@ fn wheels_whose_slices_are_divided_unevenly_come_back_without_waves() {
 
 /// Its triangles alone do not tell leading edge from tip.
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
+#[ignore = "writes and reads a large file, 11 s; scripts/nightly runs it"]
 fn a_shroud_that_turns_back_on_the_course_of_the_channel_comes_back() {
     comes_back(MEETING, if is_gate() { &["step"] } else { &["glb", "step"] });
 }
 
 /// Edges without length are none.
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
 fn a_trailing_edge_that_runs_out_at_the_tip_is_written_to_step() {
     let part = open(&make::wheel(SEED, RUNS_OUT));
     let side = |side: &BladeSide, v: f64| side.point(1.0, v);

@@ -134,7 +134,7 @@ const GATE: [(u64, usize); 2] = [(7, 9), (1, 11)];
 /// Blades that lean along the rows let no axis lean towards the inlet; from the outlet more than half of the
 /// floor would stay uncut.
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
+#[ignore = "a plan of 13 s; scripts/nightly runs it"]
 fn blades_that_lean_along_the_rows_are_cut_from_the_inlet() {
     // Both in the nightly run.
     let wheels = [(9, 22), (41, 42)];
@@ -210,7 +210,7 @@ fn strips_under_leaning_walls_are_cut() {
 /// A plunge that clears a core only between two of the lines on which contact is evaluated is needed as well:
 /// where it was left out as not worth its time, a later core met a sliver of stock .46 mm above its bottom.
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
+#[ignore = "a plan of 16 s; scripts/nightly runs it"]
 fn cores_stay_free_where_plunges_are_left_out() {
     let wheel = make::wheel(53, 1);
     let outcome = planned(open(&wheel));
@@ -309,7 +309,7 @@ fn wheels_are_planned_and_verified() {
 }
 
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
+#[ignore = "plans of a made wheel, 9 s; scripts/nightly runs it"]
 fn shanks_and_holders_of_random_assemblies_stay_clear() {
     let (wheels, is_gate) = wheels();
     let (wheels, schemes): (_, &[FlankStrategy]) = match is_gate {

@@ -220,7 +220,6 @@ fn set_timeline(window: &mut Window, cut: usize) {
 
 /// The solid is cut in all shown channels, as far as the timeline is.
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
 fn the_solid_is_cut_in_the_shown_channels() {
     let mut window = with_sample(fake::engine().0);
     window.key_press(egui::Key::S);

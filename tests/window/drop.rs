@@ -176,7 +176,7 @@ fn a_plan_opens_with_its_part_and_setup() {
 }
 
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
+#[ignore = "a flank and a plunge plan of its own, 17 s; scripts/nightly runs it"]
 fn a_flank_plan_opens_as_one_and_plunges_are_not_planned_with_its_tool() {
     let folder = tempfile::tempdir().expect("a folder");
     let (engine, _) = fake::engine();

@@ -201,7 +201,10 @@ fn a_flank_plan_is_out_of_date_on_another_machine() {
     window.get_by_role_and_label(Role::SpinButton, "Max machine tilt").set_value_accesskit(60.0);
     window.run_steps(3);
     settle(&mut window);
-    window.get_by_label("Flank: out of date");
+    window.get_by_label("Flank: out of date").click();
+    window.run_steps(6);
+    settle(&mut window);
+    assert!(!window.state().state().flank_is_stale(), "it is calculated when it is selected");
 }
 
 /// Positions that are planned along a wall, but that the program does not have, leave nothing on it.

@@ -384,7 +384,7 @@ fn without_a_plan_there_is_nothing_to_post() {
 }
 
 #[test]
-#[ignore = "plans of half a minute; scripts/nightly runs it"]
+#[ignore = "judges flank programs of several channels, 14 s; scripts/nightly runs it"]
 fn the_flank_plan_of_several_channels_is_exported_in_their_order() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = with_plan();

@@ -23,7 +23,7 @@ use crate::app::views::command::Command;
 use crate::app::views::nc_dialog::{NcAnswer, NcQuestion, TargetChoice};
 use crate::app::views::picture_dialog::ExportSettings;
 use crate::app::views::release::{self, Recalculation, ReleaseAnswer, ReleaseWords, Renewal};
-use crate::io::shop_tools::{is_fusion_library, missing_in_fusion};
+use crate::io::shop_tools::{fusion_remarks, is_fusion_library};
 use crate::job::flank::FlankOutcome;
 use crate::job::worker::Outcome;
 use crate::setup::Setup;
@@ -223,7 +223,7 @@ impl App {
         let is_fusion = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
         let Some(library) = self.library.library().filter(|_| is_fusion) else { return Vec::new() };
         let is_new = !is_fusion_library(path);
-        let mut lines = missing_in_fusion(library.content(), is_new);
+        let mut lines = fusion_remarks(library.content(), is_new);
         // What was left out when it was opened is in no file that is written anew.
         let notes = library.content().notes.iter().take(if is_new { MAX_NOTES } else { 0 });
         lines.extend(notes.map(|note| without_markdown(note)));

@@ -260,9 +260,13 @@ impl ShopLibrary {
         let entry = self.content.tools.get(self.selected?)?;
         let mut tool = entry.tool.clone();
         take_for_material(&mut tool, setup.allowances.cutting_data());
-        if let Some(known) =
-            setup.tools.iter().find(|known| tool == Tool { number: tool.number, ..(*known).clone() })
-        {
+        // It may have got another number there, and its offsets with it.
+        let is_it = |known: &&Tool| {
+            let mut there = tool.clone();
+            there.renumber(known.number);
+            there == **known
+        };
+        if let Some(known) = setup.tools.iter().find(is_it) {
             return Some(known.number);
         }
         let taken = |number: u32| setup.tools.iter().any(|known| known.number == number);
@@ -437,6 +441,11 @@ mod tests {
         let taken = library.take_into(&mut setup).expect("a tool");
         assert_eq!(setup.tools[1].length_offset_number(), taken);
         assert_ne!(taken, own.number);
+        assert_eq!(
+            (library.take_into(&mut setup), setup.tools.len()),
+            (Some(taken), 2),
+            "it is there already"
+        );
     }
 
     #[test]

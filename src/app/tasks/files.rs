@@ -375,16 +375,16 @@ fn write_file(task: &WriteTask, purpose: Purpose, monitor: &Monitor) -> Result<W
         WriteTask::Setup(path, setup) => (path, write_setup_beside(setup, path).into_bytes()),
         WriteTask::Library(path, library) => {
             let is_fusion = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+            let given = library.clone();
             let (text, written) = if is_fusion {
                 let merged = fusion_for(path, library)?;
                 about = moved_words(library, &merged.library);
-                (merged.text, merged.library)
+                let is_as_given = merged.library == **library;
+                (merged.text, if is_as_given { given.clone() } else { merged.library.into() })
             } else {
                 check_replaced_library(path)?;
-                (write_toml(library), ToolLibrary::clone(library))
+                (write_toml(library), given.clone())
             };
-            let given = library.clone();
-            let written = if written == **library { given.clone() } else { written.into() };
             saved_library = Some(WrittenLibrary { given, written });
             (path, text.into_bytes())
         }
@@ -454,9 +454,9 @@ fn moved_words(given: &ToolLibrary, written: &ToolLibrary) -> String {
     let moved: Vec<(u32, u32)> = given.tools.iter().zip(&written.tools).filter_map(numbers).collect();
     match moved[..] {
         [] => String::new(),
-        [(was, is)] => format!("; T{was} is T{is} there, as another tool has its number"),
+        [(was, is)] => format!("; T{was} is T{is} in the file: its number was taken"),
         [.., (_, last)] => {
-            format!("; {} tools have other numbers there, up to T{last}, as others have theirs", moved.len())
+            format!("; {} tools have new numbers in the file, up to T{last}: theirs were taken", moved.len())
         }
     }
 }

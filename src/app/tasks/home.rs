@@ -199,7 +199,7 @@ impl Home {
             true => Age::ToTheSecond,
             false => Age::InWords,
         });
-        copies.iter().zip(exactness).map(|(copy, exactness)| copy.offered(exactness)).collect()
+        copies.into_iter().zip(exactness).map(|(copy, exactness)| copy.offered(exactness)).collect()
     }
 
     /// Whether the session of another recovery copy runs. One that was killed runs, too, until the system has
@@ -357,10 +357,9 @@ impl LeftCopy {
         format!("{}, {}", self.name, age_in_words(self.age, exactness))
     }
 
-    fn offered(&self, exactness: Age) -> RecoveryCopy {
-        let Self { path, project, part, .. } = self;
-        let (path, project, part) = (path.clone(), project.clone(), part.clone());
-        RecoveryCopy { path, title: self.title(exactness), project, part }
+    fn offered(self, exactness: Age) -> RecoveryCopy {
+        let title = self.title(exactness);
+        RecoveryCopy { path: self.path, title, project: self.project, part: self.part }
     }
 }
 

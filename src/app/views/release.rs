@@ -94,7 +94,7 @@ pub const LIBRARY: ReleaseWords = ReleaseWords {
 /// Of one that exists.
 pub const EXISTING_LIBRARY: ReleaseWords = ReleaseWords {
     title: "Write into the Fusion library?",
-    above: "What it has beyond the tools shown here stays. To know before:",
+    above: "What it has beyond the tools shown here stays. Before you write into it:",
     below: "A .toml library keeps all that is shown here; the file of Fusion then stays as it is.",
     anyway: "Write into it",
     now: "Write into it",

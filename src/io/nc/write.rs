@@ -66,7 +66,7 @@ impl NcProgram {
 ///
 /// # Errors
 /// When the control does not take `output`, a tool has no number or spindle speed, or the work offset has no
-/// number where the control numbers them.
+/// number where the control selects it by one.
 pub fn write_nc(
     program: &ClProgram,
     machine: &MachineTool,
@@ -144,15 +144,15 @@ fn check(
     Ok(())
 }
 
-/// A control that numbers its presets needs the number of the machine's work offset.
+/// Checks that the work offset of the machine has a number where the post asks for it.
 fn check_preset(machine: &MachineTool, post: &Post) -> Result<(), UserError> {
     let mut blocks = post.blocks.values().chain(post.on.values()).chain(post.off.values()).flatten();
     if machine.part.preset_number().is_some() || !blocks.any(|block| block.contains("{preset}")) {
         return Ok(());
     }
     let name = quote_for_message(&machine.part.offset_name);
-    let what = format!("the control {} numbers its presets, and {name} is no number", post.name);
-    let help = "give the machine file its number as `offset`, or one of G54 to G59 for 1 to 6";
+    let what = format!("the control {} selects presets by number, but the work offset is {name}", post.name);
+    let help = "set `offset` in the machine file to the preset number, or to G54 … G59 for presets 1 to 6";
     Err(UserError::new(ErrorCode::UnknownName, what, help))
 }
 

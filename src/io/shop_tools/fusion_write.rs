@@ -7,7 +7,7 @@ use crate::io::hash::{FNV_START, fnv1a};
 
 /// What must be known of a Fusion library before it is written, as lines for the user: what it does not hold
 /// where it is `new`, or what becomes of one that is there. The last only where a tool has an insert width.
-pub fn missing_in_fusion(library: &ToolLibrary, new: bool) -> Vec<String> {
+pub fn fusion_remarks(library: &ToolLibrary, new: bool) -> Vec<String> {
     let mut lines = match new {
         true => vec![
             "Vendor, product and coolant of the tools".to_owned(),
@@ -17,7 +17,8 @@ pub fn missing_in_fusion(library: &ToolLibrary, new: bool) -> Vec<String> {
         ],
         false => vec![
             "Tools that are new in it have no vendor, product and coolant; the others keep theirs".to_owned(),
-            "Tools that are new in it get free numbers where others, drills too, have theirs".to_owned(),
+            "A tool that is new in it gets a free number where another one, a drill too, has its own"
+                .to_owned(),
             "Tools that were removed from the list stay in the file".to_owned(),
         ],
     };

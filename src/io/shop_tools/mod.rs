@@ -28,7 +28,7 @@ use super::write::not_replaced;
 use crate::error::ErrorCode;
 use freecad::ToolBit;
 pub use fusion_merge::{MergedLibrary, merge_fusion};
-pub use fusion_write::{missing_in_fusion, write_fusion};
+pub use fusion_write::{fusion_remarks, write_fusion};
 use json::MAX_LIBRARY_BYTES;
 pub use library::{LibraryTool, ToolLibrary};
 pub use toml_merge::merge_toml;

@@ -126,8 +126,7 @@ pub fn setup_sheet(input: &SheetInput, pictures: Vec<PagePicture>) -> ReportPage
 fn faults_text(count: usize) -> String {
     match count {
         0 => "no fault".to_owned(),
-        1 => "1 fault".to_owned(),
-        _ => format!("{count} faults"),
+        _ => counted(count, "fault", "faults"),
     }
 }
 
@@ -170,8 +169,8 @@ impl SheetPart<'_> {
 /// How the part lies in NC programs, whose machine may want it turned over, in a sentence.
 fn placement_text(part: &Impeller, machine: Option<&MachineTool>) -> String {
     let Some(machine) = machine else {
-        return "The part lies so in APT programs; the head of an NC program says where it is turned for its \
-                machine."
+        return "APT programs take the part as it is drawn; the head of an NC program says how it is turned for \
+                its machine."
             .to_owned();
     };
     let name = escaped(&machine.name);
@@ -180,10 +179,13 @@ fn placement_text(part: &Impeller, machine: Option<&MachineTool>) -> String {
     let inlet = if machine.part.inlet_up { "up" } else { "down" };
     match lies.is_empty() {
         true => {
-            format!("The part lies so in NC programs for {name}, too: inlet {inlet}, work offset {offset}.")
+            format!(
+                "APT programs take the part as it is drawn, and NC programs for {name}, too: inlet {inlet}, \
+                 work offset {offset}."
+            )
         }
         false => format!(
-            "The part lies so in APT programs only. <b>In NC programs for {name}: {}, inlet {inlet}, work \
+            "APT programs take the part as it is drawn. <b>In NC programs for {name}: {}, inlet {inlet}, work \
              offset {offset}.</b>",
             lies.join(", ")
         ),
@@ -257,8 +259,10 @@ fn unapplied_edits(input: &SheetInput) -> Vec<String> {
     let mut lines: Vec<String> = unapplied.iter().take(MAX_FAULTS).filter_map(line).collect();
     match unapplied.len().saturating_sub(MAX_FAULTS) {
         0 => {}
-        1 => lines.push("1 more edit by hand is not applied.".to_owned()),
-        more => lines.push(format!("{more} more edits by hand are not applied.")),
+        more => {
+            let edits = counted(more, "more edit by hand is", "more edits by hand are");
+            lines.push(format!("{edits} not applied."));
+        }
     }
     lines
 }

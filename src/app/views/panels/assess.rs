@@ -130,7 +130,7 @@ fn reach(ui: &mut Ui, assessed: &AssessedPart) {
         ui.end_row();
         for (index, section) in assessed.sections().into_iter().enumerate() {
             let tool = units::display_units(ui).diameter(section.tool.diameter);
-            ui.label(format!("{tool}, {:.2}–{:.2}{}", section.from, section.to, section.suffix()));
+            ui.label(format!("{tool}, {:.2}–{:.2}{}", section.from, section.to, section.kind.suffix()));
             for class in ReachSides::CLASSES {
                 ui.label(format!("{:.1}", 100.0 * map.share_of_section(index, class)));
             }

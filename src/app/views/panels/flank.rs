@@ -255,8 +255,10 @@ pub fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan, splitters: usiz
             }
         }
         FlankColours::Region => {
-            let under_feed = plan.moves.iter().filter(|step| step.kind != MoveKind::Rapid);
-            let regions: BTreeSet<Region> = under_feed.map(|step| step.region).collect();
+            // Stretch by stretch: a plan has tens of thousands of moves.
+            let stretches = plan.moves.chunk_by(|a, b| a.region == b.region);
+            let cut = stretches.filter(|moves| moves.iter().any(|step| step.kind != MoveKind::Rapid));
+            let regions: BTreeSet<Region> = cut.map(|moves| moves[0].region).collect();
             let words = |region: &Region| region_words(*region, splitters);
             let width = |region: &Region| theme::width_of_text(ui, &words(region)) + SWATCH_AND_SPACES;
             let fits = regions.iter().map(width).sum::<f32>() < ui.available_width();
