@@ -16,7 +16,7 @@ use crate::part::{Impeller, Workpiece};
 use crate::plunge::sections::keep_needed_tools;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::{ClProgram, Travel};
-use crate::verify::{Fault, FlankVerdict};
+use crate::verify::{Fault, FlankVerdict, time_of_channels_s};
 
 /// Request for a flank plan.
 #[derive(Clone, Debug)]
@@ -195,6 +195,13 @@ impl FlankOutcome {
     /// The best known time of the program, s: on the machine of the setup, or else the estimate.
     pub fn time_s(&self) -> f64 {
         self.machine_time.map_or(self.time_estimate, |time| time.total_s)
+    }
+
+    /// The same for the first `count` channels, in the order of the setup; `None` where that of all of them
+    /// is not known.
+    pub fn time_of_channels_s(&self, count: usize) -> Option<f64> {
+        let channels = self.workpiece.part.blade_count;
+        self.wheel_time_s.map(|wheel| time_of_channels_s([self.time_s(), wheel], count, channels))
     }
 
     /// Whether its cutter was chosen from the library although the setup has tools: none of them suits.

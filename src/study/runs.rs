@@ -199,7 +199,12 @@ impl RunList {
                 let read = self.file.text_with([(axis, value)].into_iter());
                 let read = read.and_then(|text| self.read_setup(&text, &Setup::default()));
                 if let Err(error) = read {
-                    let what = format!("`{}`: {}", axis.key, error.message);
+                    let key = format!("`{}`", axis.key);
+                    // Errors of the path begin with it.
+                    let what = match error.message.starts_with(&key) {
+                        true => error.message,
+                        false => format!("{key}: {}", error.message),
+                    };
                     return Err(InputError::new(error.code, &self.file.name, *line, what, error.help));
                 }
             }

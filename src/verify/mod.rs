@@ -29,7 +29,7 @@ pub use flank::{FlankVerdict, FlankVerifier, Uncovered, verify_flank};
 use plunges::named_sections;
 pub use plunges::{ProgramCut, Rapid, cuts_of};
 pub use report::{PlungeReport, report_plunges};
-pub use summary::Summary;
+pub use summary::{Summary, time_of_channels_s};
 use taper::{TAPER_TOLERANCE, judge_tapers};
 pub use verdict::{JudgedCut, PlungeVerdict};
 

@@ -133,13 +133,10 @@ impl Summary {
     /// The same for the first `count` of `channels` channels, in the order of the setup. Where the time of
     /// all of them is not known, the links from channel to channel are left out.
     pub fn time_of_channels_s(&self, count: usize, channels: usize) -> f64 {
-        let further = match self.wheel_time_s {
-            // Exactly that time: one that is off by rounding may be written with another last digit.
-            Some(wheel) if count == channels => return wheel,
-            Some(wheel) if channels > 1 => (wheel - self.time_s()) / (channels as f64 - 1.0),
-            _ => self.time_of_further_channel_s(),
-        };
-        self.time_s() + further * (count as f64 - 1.0)
+        match self.wheel_time_s {
+            Some(wheel) => time_of_channels_s([self.time_s(), wheel], count, channels),
+            None => self.time_s() + self.time_of_further_channel_s() * (count as f64 - 1.0),
+        }
     }
 
     /// Figures of the whole plan.
@@ -206,6 +203,16 @@ impl Summary {
             blocked: None,
         }
     }
+}
+
+/// Time of the first `count` of `channels` channels, s, from those of one and of all: each further channel
+/// takes as long as the others.
+pub fn time_of_channels_s([one, all]: [f64; 2], count: usize, channels: usize) -> f64 {
+    if count == channels {
+        // Exactly that time: one that is off by rounding may be written with another last digit.
+        return all;
+    }
+    one + (all - one) / (channels as f64 - 1.0) * (count as f64 - 1.0)
 }
 
 /// Number of positions of a plan that the blades block, or that were dropped, in the sections that count.

@@ -122,7 +122,7 @@ fn bad_studies_are_refused_in_one_line() {
         ("[6, 8, 10]", "[6, 8, 0]", 12, "greater than 0"),
         ("[6, 8, 10]", "[6, 8, nan]", 12, "finite"),
         ("[6, 8, 10]", "[6, 8]\nrange = [1, 2, 1]", 13, "keep one of them"),
-        ("tool.3", "tool.1", 15, "no tool `1`"),
+        ("tool.3", "tool.1", 15, "s.toml:15: `tool.1.diameter`: the base setup has no tool `1`"),
         ("range = [16, 20, 4]", "range = [20, 16, 4]", 15, "no step"),
         ("range = [16, 20, 4]", "range = [16, 20]", 15, "three"),
         ("range = [16, 20, 4]", "range = [1, 2, 1e-9]", 15, "at most 100000"),

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
+use vanecut::app::model::figures::format_duration;
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
 use vanecut::app::model::planned::Side;
@@ -471,6 +472,21 @@ fn passes_of_the_flank_plan_are_a_table_and_moves_a_timeline() {
     window.get_by_role_and_label(Role::Button, "Go to end").click();
     window.run_steps(3);
     assert_eq!(window.state().state().look.flank.cut, None);
+}
+
+#[test]
+fn the_time_of_a_flank_program_of_several_channels_is_known_before_its_export() {
+    let mut window = with_plan();
+    window.state_mut().use_own_file_dialogs();
+    choose_in_file_menu(&mut window, "Export CL of several channels…");
+    let outcome = window.state().state().results.flank.clone().expect("planned");
+    let (one, all) = (outcome.time_s(), outcome.wheel_time_s.expect("known"));
+    for (channels, time) in [(1, one), (9, (one + all) / 2.0), (17, all)] {
+        let field = window.get_by_role_and_label(Role::SpinButton, "Channels");
+        field.set_value_accesskit(f64::from(channels));
+        window.run_steps(2);
+        window.get_by_label(&format!("Time {}, without tool changes", format_duration(time)));
+    }
 }
 
 /// What is seen of the wheel is what its program mills.

@@ -289,7 +289,7 @@ fn engine_with_remarks() -> Engine {
         plan.dropped = vec![Dropped { section: 0, row: 0, s: 0.5, why, stick_out }; 56];
         let stopped = StopReason::Cancelled;
         plan.sections[1].added = Some(AddedPlunges { count: 0, stopped });
-        (summary.blocked, summary.inaccessible_share) = (Some(56), 0.065);
+        (summary.blocked, summary.inaccessible_share) = (Some(112), 0.065);
     };
     fake::with_changed_plans(engine, poor)
 }
@@ -304,7 +304,7 @@ fn all_of_the_verdict_is_in_view() {
     for width in (800..1800).step_by(50) {
         window.set_size(egui::vec2(width as f32, 667.0));
         window.run_steps(4);
-        for name in ["Out of date:", "Unfinished:", "56 skipped", "Inaccessible"] {
+        for name in ["Out of date:", "Unfinished:", "56 blocked", "56 skipped", "Inaccessible"] {
             window.get_by_label(name);
         }
         let (setup, names) = (window.get_by_label("impeller532").rect(), window.query_all_by_label("Time"));

@@ -122,7 +122,7 @@ fn unsaved_changes_of_another_part_are_named_once() {
     let other = folder.path().join("other.toml");
     std::fs::write(&other, include_str!("../../assets/parts/pump6.toml")).expect("writes");
     let mut second = window_with_project(&engine, &home, &other);
-    let said = "A session that ended without closing has left unsaved changes: wheel, ";
+    let said = "A session that ended without closing has left unsaved changes: wheel";
     second.get_by_label_contains(said);
     second.get_by_label_contains("Choose File > New to recover or discard them");
     second.get_by_label("Dismiss").click();

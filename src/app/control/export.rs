@@ -8,6 +8,7 @@ use egui::Ui;
 use super::background::panic_problem;
 use super::replaced::check_replaced;
 use crate::app::App;
+use crate::app::model::figures::TimedPlan;
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::{Arrangement, DEFAULT_MACHINE, Operation};
 use crate::app::model::planned::{DisplayPlan, Side};
@@ -297,9 +298,14 @@ impl App {
     /// Asks how many channels a program is for, while that is due.
     pub(in crate::app) fn ask_channels(&mut self, ui: &Ui) {
         let operation = self.exported_operation().unwrap_or(Operation::Roughing);
-        let is_flank = operation == Operation::Flank;
-        let shown = self.state.last_whole_plan(self.state.look.side).filter(|_| !is_flank);
-        let plan = shown.map(|shown| shown.planned.result(shown.policy).summary.clone());
+        let plan = match operation {
+            Operation::Flank => self.state.results.flank.clone().map(TimedPlan::Flank),
+            Operation::Roughing | Operation::Program => {
+                self.state.last_whole_plan(self.state.look.side).map(|shown| {
+                    TimedPlan::Plunges(Box::new(shown.planned.result(shown.policy).summary.clone()))
+                })
+            }
+        };
         let order = &mut self.state.document.edited.setup.channels;
         if let Some(channels) = self.channels_dialog.show(ui, operation, plan.as_ref(), order) {
             self.ask_for_cl_file(ui.ctx(), channels);

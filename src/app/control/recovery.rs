@@ -105,16 +105,17 @@ impl App {
     /// start page, which a window that was started with a part does not show.
     fn note_other_copies(&mut self) {
         let Session { found, noted_copies, .. } = &mut self.session;
-        let mut titles = Vec::new();
-        for RecoveryCopy { path, title, .. } in &self.state.recoverable {
+        let mut names = Vec::new();
+        for RecoveryCopy { path, name, .. } in &self.state.recoverable {
             if found.as_ref().is_none_or(|found| found.path != *path) && !noted_copies.contains(path) {
                 noted_copies.push(path.clone());
-                titles.push(title.as_str());
+                names.push(name.as_str());
             }
         }
-        if !titles.is_empty() {
-            let titles = titles.join("; ");
-            let what = format!("A session that ended without closing has left unsaved changes: {titles}");
+        if !names.is_empty() {
+            // Without their age, which would not go on here.
+            let names = names.join("; ");
+            let what = format!("A session that ended without closing has left unsaved changes: {names}");
             self.state.report_problem(Problem::note(what, "Choose File > New to recover or discard them"));
         }
     }

@@ -1,5 +1,7 @@
 //! Figures of plans as texts, and the limits of what counts as good.
 
+use std::sync::Arc;
+
 use crate::job::flank::FlankOutcome;
 use crate::job::{PolicyResult, Summary};
 use crate::plunge::Condition;
@@ -195,6 +197,30 @@ pub fn format_times(channel_s: f64, wheel_s: f64) -> String {
 /// Time of a plunge plan for one channel, and for the whole wheel of `channels` channels.
 pub fn format_plan_times(summary: &Summary, channels: usize) -> String {
     TimeUnits::of_plans([summary], channels).plan_text(summary, channels)
+}
+
+/// A plan of one channel, for the time of its program in several.
+#[derive(Clone, Debug)]
+pub enum TimedPlan {
+    /// Of plunges, by its figures.
+    Plunges(Box<Summary>),
+    /// A flank plan.
+    Flank(Arc<FlankOutcome>),
+}
+
+impl TimedPlan {
+    /// Time of its program for the first `count` of `channels` channels, and whether that counts tool
+    /// changes; `None` where it is not known.
+    pub fn program_time(&self, count: usize, channels: usize) -> Option<String> {
+        let (time_s, on_machine) = match self {
+            Self::Plunges(summary) => {
+                (Some(summary.time_of_channels_s(count, channels)), summary.machine_time.is_some())
+            }
+            Self::Flank(outcome) => (outcome.time_of_channels_s(count), outcome.machine_time.is_some()),
+        };
+        let changes = if on_machine { "with" } else { "without" };
+        Some(format!("Time {}, {changes} tool changes", format_duration(time_s?)))
+    }
 }
 
 /// What times count that are those of the machine.

@@ -359,7 +359,7 @@ impl LeftCopy {
 
     fn offered(self, exactness: Age) -> RecoveryCopy {
         let title = self.title(exactness);
-        RecoveryCopy { path: self.path, title, project: self.project, part: self.part }
+        RecoveryCopy { path: self.path, name: self.name, title, project: self.project, part: self.part }
     }
 }
 

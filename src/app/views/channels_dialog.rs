@@ -5,9 +5,8 @@ use egui::{Grid, Modal, RichText, Ui};
 use super::channel_order;
 use super::count_field;
 use super::modal::{self, is_confirmed, is_dismissed};
-use crate::app::model::figures::format_duration;
+use crate::app::model::figures::TimedPlan;
 use crate::app::model::look::Operation;
-use crate::job::Summary;
 use crate::setup::ChannelSetup;
 
 /// The dialog.
@@ -34,7 +33,7 @@ impl ChannelsDialog {
         &mut self,
         ui: &Ui,
         operation: Operation,
-        plan: Option<&Summary>,
+        plan: Option<&TimedPlan>,
         order: &mut ChannelSetup,
     ) -> Option<usize> {
         let (chosen, count) = self.asked.as_mut()?;
@@ -50,10 +49,8 @@ impl ChannelsDialog {
                     ui.end_row();
                     channel_order::rows(ui, order);
                 });
-                if let Some(plan) = plan {
-                    let whole = format_duration(plan.time_of_channels_s(*chosen, *count));
-                    let changes = if plan.machine_time.is_some() { "with" } else { "without" };
-                    ui.label(RichText::new(format!("Time {whole}, {changes} tool changes")).weak());
+                if let Some(time) = plan.and_then(|plan| plan.program_time(*chosen, *count)) {
+                    ui.label(RichText::new(time).weak());
                 }
                 ui.add_space(8.0);
                 ui.horizontal(|ui| {

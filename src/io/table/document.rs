@@ -98,6 +98,11 @@ impl<'a> TomlDocument<'a> {
     /// When the text is not valid TOML.
     pub fn parse(&self) -> Result<Spanned<DeTable<'a>>, InputError> {
         DeTable::parse(self.text).map_err(|error| {
+            // No TOML begins with it.
+            if self.text.trim_start().starts_with('{') {
+                let help = "give a .toml file; `vanecut convert` makes one of a tool library";
+                return self.fault(0, "is JSON, not TOML", help).with_code(ErrorCode::InvalidToml);
+            }
             let at = error.span().map_or(self.text.len(), |span| span.start);
             if let Some(word) = self.bare_word(at) {
                 let help = "give a number, true or false, or a text in quotes";
@@ -164,5 +169,14 @@ mod tests {
             let text = "a.b.c=1\n".repeat(times);
             assert_eq!(TomlDocument::new("f", text.as_bytes(), ErrorCode::ToolFile).is_err(), is_refused);
         }
+    }
+
+    #[test]
+    fn json_is_named_instead_of_its_first_sign() {
+        let document =
+            TomlDocument::new("shop.json", b"\n{\"data\": []}", ErrorCode::SetupFile).expect("text");
+        let error = document.parse().expect_err("it is no TOML");
+        assert_eq!((error.code, error.message.as_str()), (ErrorCode::InvalidToml, "is JSON, not TOML"));
+        assert!(error.help.contains("vanecut convert"), "{error}");
     }
 }

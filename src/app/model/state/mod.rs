@@ -60,7 +60,9 @@ pub struct Notice {
 pub struct RecoveryCopy {
     /// Its file.
     pub path: PathBuf,
-    /// Project or part, and when it was changed last.
+    /// Name of its project, or else its part.
+    pub name: String,
+    /// The same, and when it was changed last.
     pub title: String,
     /// File of the project; `None` where that was never saved.
     pub project: Option<PathBuf>,

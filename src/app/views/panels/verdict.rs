@@ -67,11 +67,13 @@ fn roughing(ui: &mut Ui, state: &AppState) {
         ui.label(text)
             .on_hover_text("The plan no longer has the plunge that was edited. The tab \"By hand\" of a position lists the reasons");
     }
-    if let Some(blocked) = after.blocked.filter(|count| *count > 0) {
+    let dropped = plan.dropped.len();
+    // Those that were left out follow beside their reasons.
+    let blocked = after.blocked.map_or(0, |blocked| blocked.saturating_sub(dropped));
+    if blocked > 0 {
         let text = RichText::new(format!("{blocked} blocked")).color(Condition::Blocked.text(ui.visuals()));
         ui.label(text).on_hover_text("Positions that cannot have the axis of the strategy");
     }
-    let dropped = plan.dropped.len();
     if dropped > 0 {
         let left_out = |why: DropReason| {
             let count = plan.dropped.iter().filter(|d| d.why == why).count();
