@@ -341,6 +341,11 @@ impl App {
 }
 
 impl eframe::App for App {
+    /// Time between two times that theme and text size are stored, which then outlast a crash.
+    fn auto_save_interval(&self) -> Duration {
+        Duration::from_secs(5)
+    }
+
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         if !self.was_handed_over() {
             self.state.follow_selection();

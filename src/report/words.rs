@@ -82,9 +82,9 @@ pub fn left_out_text(length_mm: f64, length: impl Fn(f64) -> String) -> String {
 }
 
 /// What keeps the plan of `outcome` from its goal, with lengths written by `length` (from mm); `None` where
-/// the goal is met.
+/// the goal is met, and of an unfinished plan: the finished one may meet it.
 pub fn missed_goal(outcome: &PlanOutcome, length: impl Fn(f64) -> String) -> Option<String> {
-    if !outcome.misses_goal {
+    if !outcome.misses_goal || outcome.after.plan.is_unfinished() {
         return None;
     }
     let summary = &outcome.after.summary;

@@ -8,7 +8,7 @@ use vanecut::io::setup_file::{read_setup_bytes, write_setup};
 use vanecut::job::{PlanJob, PlanOutcome, PlanRequest, PolicyResult, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::Impeller;
-use vanecut::plunge::{PlungePlan, RowDensity};
+use vanecut::plunge::{AddedPlunges, PlungePlan, RowDensity};
 use vanecut::report::words::missed_goal;
 use vanecut::setup::{AxisPolicy, Goal, PlungePose, SemiFinishing, Setup};
 use vanecut::stock::{field_cutters, residual_field};
@@ -360,6 +360,10 @@ fn a_goal_that_cannot_be_met_is_reported_with_what_is_reached() {
     let expected =
         format!("goal cannot be met: the fastest plan takes {minutes:.1} min, the limit is 1.0 min");
     assert_eq!(missed_goal(&hasty, millimetres), Some(expected));
+    let mut stopped = hasty.clone();
+    let last = stopped.after.plan.sections.last_mut().expect("a section");
+    last.added = Some(AddedPlunges::UNFINISHED);
+    assert_eq!(missed_goal(&stopped, millimetres), None, "the finished plan may meet it");
     assert!(minutes < 0.75 * WHOLE.after.summary.time_estimate / 60.0, "it comes near: {minutes} min");
     let bare = planned(setup("goal = \"time\"\nmax_stock = 0.001"));
     let words = missed_goal(&bare, millimetres).expect("no plan leaves as little");

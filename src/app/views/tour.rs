@@ -49,8 +49,8 @@ const CARDS: [Card; 5] = [
     (
         WindowRegion::Table,
         DockPanel::Table.title(),
-        "The plunges in cutting order. A click selects one, here or in the 3D view; N goes to the next fault. The \
-         sectional view below the table shows what its core meets.",
+        "The plunges in cutting order. A click selects one, here or in the 3D view, and the sectional view below \
+         the table shows what its core meets; N goes to the next fault.",
     ),
     (
         WindowRegion::Menus,
@@ -92,14 +92,20 @@ impl Tour {
         if ctx.memory(|memory| memory.top_modal_layer().is_some()) {
             return false;
         }
-        if let Some(place) = place_of(region) {
+        let place = place_of(region);
+        if let Some(place) = place {
             let layer = LayerId::new(Order::Foreground, Id::unique("tour mark"));
             let painter = ctx.layer_painter(layer);
             painter.rect_stroke(place.shrink(1.0), 3.0, Stroke::new(2.0, accent), StrokeKind::Inside);
         }
         let (mut next, mut ends) = (card, false);
         let area = Area::new(Id::unique("tour")).order(Order::Foreground);
-        area.anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -70.0)).show(ctx, |ui| {
+        let area = match place.filter(|_| region == WindowRegion::Picture) {
+            // Above the timeline and the plots, which it speaks of.
+            Some(picture) => area.pivot(Align2::CENTER_CENTER).fixed_pos(picture.center()),
+            None => area.anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -70.0)),
+        };
+        area.show(ctx, |ui| {
             Frame::popup(ui.style()).inner_margin(12.0).show(ui, |ui| {
                 ui.set_width(WIDTH);
                 ui.label(RichText::new(title).strong());
