@@ -14,6 +14,11 @@ const TURNED: f64 = 0.1;
 /// by one, differ by some thousandths, and by a third in their numbers of triangles.
 const SAME_AREA: f64 = 0.01;
 
+/// Share of the area of the only blade from which on one other node may be its splitter.
+const SPLITTER_AREA: f64 = 0.2;
+/// By how much a splitter may reach beyond the blade along the axis, as a share of the blade's length there.
+const BEYOND_BLADE: f64 = 0.02;
+
 /// A node of a mesh file with all of its meshes and instances. Coordinates are in the file's unit and frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshNode {
@@ -79,6 +84,14 @@ impl MeshNode {
         axis_of_min(self.circumferential)
     }
 
+    /// Whether it may be the splitter beside the only `blade`: not much smaller, and no longer along `axis`.
+    fn may_be_splitter_of(&self, blade: &Self, axis: Axis) -> bool {
+        let k = axis as usize;
+        let beyond = BEYOND_BLADE * (blade.high[k] - blade.low[k]);
+        let is_beside = self.low[k] >= blade.low[k] - beyond && self.high[k] <= blade.high[k] + beyond;
+        is_beside && self.area >= SPLITTER_AREA * blade.area
+    }
+
     fn is_turned(&self) -> bool {
         self.circumferential.iter().copied().fold(f64::INFINITY, f64::min) < TURNED * self.area
     }
@@ -141,7 +154,8 @@ pub fn width_of_wheel_in(meshes: &[NamedMesh], given: &[Option<Role>]) -> f64 {
 }
 
 /// Initial roles: those derived from names. Without a named hub, the largest surface of revolution becomes
-/// the hub; without a named blade, the group of equal nodes with the largest total area becomes the blades.
+/// the hub; without a named blade, the group of equal nodes with the largest total area becomes the blades,
+/// and a second one of as many nodes the splitters.
 /// One node alone is hub and blades.
 pub fn guess_roles(nodes: &[MeshNode]) -> Vec<Option<Role>> {
     let mut roles: Vec<Option<Role>> = nodes.iter().map(|n| n.named_role).collect();
@@ -159,7 +173,7 @@ pub fn guess_roles(nodes: &[MeshNode]) -> Vec<Option<Role>> {
         let rest: Vec<usize> =
             (0..nodes.len()).filter(|&k| open(&roles, k) && !nodes[k].is_turned()).collect();
         // Groups of equal nodes are rows of blades. The second group is the splitters if it has as many
-        // nodes.
+        // nodes; beside the only blade of a file anything else may lie.
         let mut rows: Vec<Vec<usize>> = Vec::new();
         for k in rest {
             match rows.iter_mut().find(|row| nodes[k].is_like(&nodes[row[0]])) {
@@ -169,11 +183,17 @@ pub fn guess_roles(nodes: &[MeshNode]) -> Vec<Option<Role>> {
         }
         let weight = |row: &[usize]| row.len() as f64 * nodes[row[0]].area;
         rows.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
-        let count = rows.first().map_or(0, Vec::len);
-        for (row, role) in rows.iter().zip([Role::Blade, Role::Splitter]) {
-            if role == Role::Blade || (count > 1 && row.len() == count) {
-                row.iter().for_each(|&k| roles[k] = Some(role));
-            }
+        let hub = roles.iter().position(|role| *role == Some(Role::Hub));
+        let axis = hub.map_or_else(|| revolution_axis_of(nodes), |hub| nodes[hub].revolution_axis());
+        let Some((blades, others)) = rows.split_first() else { return roles };
+        let blade = &nodes[blades[0]];
+        let is_row = |row: &&Vec<usize>| {
+            row.len() == blades.len()
+                && (blades.len() > 1 || others.len() == 1 && nodes[row[0]].may_be_splitter_of(blade, axis))
+        };
+        blades.iter().for_each(|&k| roles[k] = Some(Role::Blade));
+        for &k in others.first().filter(is_row).into_iter().flatten() {
+            roles[k] = Some(Role::Splitter);
         }
     }
     roles

@@ -54,14 +54,21 @@ impl WheelAboutZ {
         options: &MeshOptions,
     ) -> Result<Self, PartError> {
         let is_cad = source.is_cad();
-        let MeshSource { unit, axis, notes, normals, .. } = source;
+        let MeshSource { unit, axis, mut notes, normals, .. } = source;
         let scale = options.unit.unwrap_or(unit).mm();
         let size_fault = fault_of_size(&meshes, roles, scale);
         let sorted = sort_by_role(meshes, roles, is_cad)?;
         if let Some(fault) = size_fault {
             return Err(fault);
         }
-        let SortedMeshes { hub, shroud, blades, one, bodies } = sorted.scaled(scale);
+        let SortedMeshes { hub, shroud, blades, one, bodies, without_role } = sorted.scaled(scale);
+        if !without_role.is_empty() {
+            notes.push(format!(
+                "left out, without a role: {}; where one belongs to the wheel give --role NODE=blade, splitter, hub \
+                 or shroud",
+                listed(&without_role)
+            ));
+        }
         let hub = MeshSurface::from_mesh(&hub);
         let bodies: Vec<Body> = if is_cad && bodies.len() > 1 {
             bodies.into_iter().map(NamedBody::into_body).collect()
@@ -201,6 +208,8 @@ struct SortedMeshes {
     one: Option<OneMesh>,
     /// The bodies in `hub`, if they are to be segmented: one for each node and instance.
     bodies: Vec<NamedBody>,
+    /// Those of which nobody says what they are, beside others with roles.
+    without_role: Vec<NamedMesh>,
 }
 
 impl SortedMeshes {
@@ -274,6 +283,7 @@ fn sort_by_role(
         blades: Vec::new(),
         one: None,
         bodies: Vec::new(),
+        without_role: Vec::new(),
     };
     let mut body_of: Vec<(usize, usize)> = Vec::new();
     let mut places: Vec<(usize, usize, Role)> = Vec::new();
@@ -305,7 +315,8 @@ fn sort_by_role(
                     }
                 }
             }
-            None => {}
+            None if mesh.mesh.triangles.is_empty() => {}
+            None => sorted.without_role.push(mesh),
         }
     }
     Ok(sorted)

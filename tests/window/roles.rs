@@ -125,6 +125,7 @@ fn nodes_without_names_are_distinguished_by_hand() {
     assert!(first.state().state().problems.is_empty(), "the dialog itself says what is wrong");
     first.get_by_label_contains("which of them is the hub is not clear");
     // The guess by shape finds hub and blades. The shroud is assigned here and highlighted.
+    first.get_by_label("Left out, without a role: node 1, node 9");
     choose(&mut first, "Role of node 1", "shroud");
     press(&mut first, "node 3");
     snapshot_view(&mut first, "roles");
@@ -136,6 +137,7 @@ fn nodes_without_names_are_distinguished_by_hand() {
     assert!(first.query_by_label_contains("which of them is the hub").is_none(), "another fault now");
     choose(&mut first, "Role of node 0", "hub");
     choose(&mut first, "Role of node 9", "ignore");
+    assert!(first.query_by_label_contains("Left out").is_none(), "each has a role");
     press(&mut first, "Open the part");
     assert!(!is_asked(&first));
     let part = first.state().state().document.part.clone().expect("a part");
@@ -173,6 +175,9 @@ fn the_keyboard_is_enough_to_tell_nodes_apart() {
     }
     settle(&mut window);
     assert!(!is_asked(&window));
+    window.get_by_label_contains(
+        "left out, without a role: node 9; where one belongs to the wheel give the role",
+    );
     let Some(PartSource::Mesh(_, said)) = source(&window) else { panic!("open") };
     let role = |node: &str| said.roles.iter().find(|(name, _)| name == node).map(|(_, role)| *role);
     assert_eq!(role("node 0"), Some(vanecut::mesh::Role::Hub));

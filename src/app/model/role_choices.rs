@@ -65,6 +65,15 @@ impl RoleChoices {
         !self.roles.iter().any(|role| matches!(role, Some(Role::Hub | Role::Blade)))
     }
 
+    /// Names of the nodes that are left out: those without a role, where hub and blades have theirs.
+    pub fn left_out<'n>(&self, nodes: &'n [MeshNode]) -> Vec<&'n str> {
+        if ![Role::Hub, Role::Blade].iter().all(|role| self.roles.contains(&Some(*role))) {
+            return Vec::new();
+        }
+        let without = nodes.iter().zip(&self.roles).filter(|(_, role)| role.is_none());
+        without.map(|(node, _)| node.name.as_str()).collect()
+    }
+
     /// The choices as mesh options; roles that follow from names are left out.
     pub fn options(&self, nodes: &[MeshNode]) -> MeshOptions {
         let named = |(node, role): (&MeshNode, &Option<Role>)| {

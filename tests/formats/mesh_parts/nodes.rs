@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use vanecut::io::gltf::read_meshes;
-use vanecut::mesh::Role;
 use vanecut::mesh::axis::Axis;
 use vanecut::mesh::nodes::{guess_roles, nodes};
+use vanecut::mesh::{NamedMesh, Role};
 
 use super::{sample, separate};
 
@@ -36,6 +36,23 @@ fn shapes_tell_hub_blades_and_splitters_where_names_do_not() {
     );
     let across = (nodes[0].high - nodes[0].low).amax();
     assert!((across - 2.0 * part.rim_radius()).abs() < 0.1, "{across}");
+}
+
+/// A file may have one blade and its splitter, for a pitch. Beside a blade alone anything else may lie.
+#[test]
+fn one_body_beside_the_only_blade_is_its_splitter_unless_it_is_longer() {
+    let mut meshes = separate(&sample("impeller9x9.toml"));
+    meshes.truncate(4);
+    meshes.swap_remove(1);
+    meshes.iter_mut().for_each(|m| m.name = "Solid".into());
+    let roles = |meshes: &[NamedMesh]| guess_roles(&nodes(meshes));
+    let (hub, blade, splitter) = (Some(Role::Hub), Some(Role::Blade), Some(Role::Splitter));
+    assert_eq!(roles(&meshes), [hub, splitter, blade]);
+    let mut bracket = meshes.clone();
+    bracket[1].mesh.points.iter_mut().for_each(|p| p.z *= 1.2);
+    assert_eq!(roles(&bracket), [hub, None, blade]);
+    meshes.push(NamedMesh { node: 9, ..bracket.swap_remove(1) });
+    assert_eq!(roles(&meshes), [hub, None, blade, None], "which of them is not clear");
 }
 
 #[test]

@@ -132,6 +132,23 @@ fn bodies_beside_a_wheel_are_left_out_with_a_line() {
     }
 }
 
+/// Splitters would be milled away.
+#[test]
+fn bodies_without_a_role_beside_those_that_have_one_are_named() {
+    let part = sample("impeller9x9.toml");
+    let mut meshes = wheel(&part, ("Hub", "Blade "), false);
+    for (k, mesh) in meshes.iter_mut().skip(1).enumerate().filter(|(k, _)| k % 2 == 1) {
+        mesh.name = format!("Body {k}");
+    }
+    let found = describe("model", meshes, LengthUnit::Millimetre, &turning(&part)).expect("a part");
+    assert_eq!((found.blade_count, found.splitters.len()), (9, 0));
+    let notes = found.notes.join("\n");
+    assert!(
+        notes.contains("left out, without a role: Body 1, Body 3, ") && notes.contains("--role"),
+        "{notes}"
+    );
+}
+
 #[test]
 fn a_casing_over_a_gap_is_the_shroud_and_a_ring_round_the_rim_is_none() {
     let part = sample("pump6.toml");

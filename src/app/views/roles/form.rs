@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use egui::{Button, ComboBox, DragValue, Grid, RichText, Ui};
+use egui::{Button, ComboBox, DragValue, Grid, Label, RichText, Ui};
 
 use crate::app::views::scroll_area;
 use crate::mesh::axis::Axis;
@@ -18,6 +18,8 @@ use crate::app::views::units;
 
 /// Range of the number of main blades; 0: automatic.
 const BLADES: RangeInclusive<usize> = 0..=200;
+/// Number of nodes that are named in a line.
+const NAMED: usize = 4;
 /// Width of a node's name, points.
 const NAME_WIDTH: f32 = 130.0;
 
@@ -91,6 +93,18 @@ pub fn nodes(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices, height:
         });
     });
     choices.scroll_to_selected = false;
+}
+
+/// Says which nodes are left out, the first few by `names`.
+pub fn left_out(ui: &mut Ui, names: &[&str]) {
+    if names.is_empty() {
+        return;
+    }
+    let mut text = format!("Left out, without a role: {}", names[..names.len().min(NAMED)].join(", "));
+    if names.len() > NAMED {
+        text += &format!(" and {} more", names.len() - NAMED);
+    }
+    ui.add(Label::new(RichText::new(text).color(Condition::Blocked.text(ui.visuals()))).wrap());
 }
 
 fn size(mm: f64, units: DisplayUnits) -> String {

@@ -124,6 +124,7 @@ impl RolesDialog {
                     });
                     ui.vertical(|ui| {
                         form::nodes(ui, &asked.unassigned.nodes, &mut asked.choices, 270.0);
+                        form::left_out(ui, &asked.choices.left_out(&asked.unassigned.nodes));
                         ui.checkbox(&mut asked.choices.apply_to_identical, "Apply to identical meshes")
                             .on_hover_text("A role applies to all nodes with the same area, within 1 %");
                         ui.label(
