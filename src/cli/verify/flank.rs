@@ -62,12 +62,15 @@ pub fn text(verdict: &FlankVerdict) -> String {
         verdict.feed_time / 60.0
     );
     text += &format!("{}; deepest cut {:.1} mm\n", cut_words(verdict), verdict.deepest_cut);
-    let uncovered = &verdict.uncovered;
+    let (layer, uncovered) = (&verdict.layer, &verdict.uncovered);
+    // It is that of the cut floor.
+    let residual = match layer.uncut_share < 1.0 {
+        true => format!("residual stock {:.2} mm on average, 95 % below {:.2} mm; ", layer.mean, layer.p95),
+        false => String::new(),
+    };
     text += &format!(
-        "floor: residual stock {:.2} mm on average, 95 % below {:.2} mm; more than allowed on {:.2} %: \
-         {:.2} % fillet beside blades, {:.2} % inaccessible, {:.2} % gaps of the program\n",
-        verdict.layer.mean,
-        verdict.layer.p95,
+        "floor: {residual}more than allowed on {:.2} %: {:.2} % fillet beside blades, {:.2} % inaccessible, \
+         {:.2} % gaps of the program\n",
         100.0 * uncovered.share(),
         100.0 * uncovered.fillet,
         100.0 * uncovered.no_axis,

@@ -106,7 +106,8 @@ impl Uncovered {
         };
         let judged: Vec<[f64; 2]> = blocks.par_iter().map(blocked).collect::<Result<_, Cancelled>>()?;
         let share = |area: f64| area / whole.max(1e-9);
-        let sum = |k: usize| share(judged.iter().map(|areas| areas[k]).sum());
+        // From 0: the sum of no numbers is -0.
+        let sum = |k: usize| share(judged.iter().fold(0.0, |sum, areas| sum + areas[k]));
         Ok(Self { fillet: share(fillet), no_axis: sum(0), gap: sum(1) })
     }
 }
