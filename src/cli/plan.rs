@@ -268,7 +268,7 @@ fn plan_text(
     text += &output::convergence_text(plan);
     text += &output::limited_text(plan, edits > 0);
     text += &output::blocked_text(plan);
-    text += &output::tools_text(&outcome.setup, plan.sections.iter().map(|section| &section.tool));
+    text += &output::tools_text(&outcome.setup, plan.tools());
     text += &output::notes_text(&report.notes);
     text += &format!(
         "wrote {} and {}\n",

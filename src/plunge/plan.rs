@@ -276,6 +276,11 @@ impl<E> PlungePlan<E> {
         }
     }
 
+    /// The tools of its program, one for each section that is cut.
+    pub fn tools(&self) -> impl Iterator<Item = &Tool> {
+        self.sections.iter().filter(|section| section.is_cut()).map(|section| &section.tool)
+    }
+
     /// The tool of position `k`; `None` where it has no section.
     fn tool_at(&self, k: usize) -> Option<&Tool> {
         Some(&self.sections.get(self.positions.get(k)?.section)?.tool)

@@ -111,8 +111,7 @@ fn plunge_concerns(state: &AppState, each: &str) -> Vec<String> {
     if beyond > 0 {
         found.push(format!("{beyond} tool axes{each} are beyond the reach of the machine"));
     }
-    let tools = plan.sections.iter().map(|section| &section.tool);
-    found.extend(allowances.tool_remarks(tools).into_iter().map(as_sentence));
+    found.extend(allowances.tool_remarks(plan.tools()).into_iter().map(as_sentence));
     if state.out_of_date() {
         found.push(STALE.to_owned());
     }

@@ -219,15 +219,13 @@ fn warnings_text(input: &SheetInput) -> String {
     if uncut >= 0.05 {
         warnings.push(format!("{uncut:.1} % of the reachable floor stays uncut."));
     }
-    let cutting = plan.sections.iter().filter(|section| section.is_cut()).map(|section| &section.tool);
-    warnings.extend(tool_warnings(&input.outcome.setup, cutting));
-    let unknown = plan.sections.iter().filter(|s| s.is_cut() && s.tool.assembly.holder.is_empty());
+    warnings.extend(tool_warnings(&input.outcome.setup, plan.tools()));
+    let unknown = plan.tools().filter(|tool| tool.assembly.holder.is_empty());
     let unchecked = |tool: &Tool| match tool.assembly.is_empty() {
         true => format!("Shank and holder of tool {} are unknown and were not checked.", tool.number),
         false => format!("The holder of tool {} is unknown and was not checked.", tool.number),
     };
-    let mut unchecked: Vec<(u32, String)> =
-        unknown.map(|section| (section.tool.number, unchecked(&section.tool))).collect();
+    let mut unchecked: Vec<(u32, String)> = unknown.map(|tool| (tool.number, unchecked(tool))).collect();
     unchecked.sort();
     unchecked.dedup();
     warnings.extend(unchecked.into_iter().map(|(_, text)| text));
@@ -299,8 +297,8 @@ fn tools_text(input: &SheetInput) -> String {
     let mut seen = Vec::new();
     let setup = &input.outcome.setup;
     let plan = &input.shown.plan;
-    for section in plan.sections.iter().filter(|section| section.is_cut()) {
-        let Some(tool) = setup.tools.iter().find(|tool| tool.number == section.tool.number) else { continue };
+    for used in plan.tools() {
+        let Some(tool) = setup.tools.iter().find(|tool| tool.number == used.number) else { continue };
         if seen.contains(&tool.number) {
             continue;
         }
