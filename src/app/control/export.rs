@@ -166,7 +166,20 @@ impl App {
         match purpose {
             Purpose::ExportCl { channels } | Purpose::ExportFlank { channels } => channels,
             Purpose::ExportNc { .. } => self.nc_dialog.question().map_or(1, |question| question.channels),
+            Purpose::ExportSheet { operation } => self.channels_of_sheet(operation),
             _ => 1,
+        }
+    }
+
+    /// Number of channels of the setup sheet of `operation`: that of the programs exported last.
+    fn channels_of_sheet(&self, operation: Operation) -> usize {
+        let Results { exported, flank, .. } = &self.state.results;
+        match operation {
+            Operation::Flank => flank.as_ref().map_or(1, |outcome| exported.of_flank(outcome).0),
+            Operation::Roughing | Operation::Program => {
+                let shown = self.state.last_whole_plan(self.state.look.side);
+                shown.map_or(1, |shown| exported.of_plunges(shown.planned, shown.policy).0)
+            }
         }
     }
 
