@@ -181,7 +181,7 @@ fn the_keyboard_is_enough_to_tell_nodes_apart() {
     settle(&mut window);
     assert!(!is_asked(&window));
     window.get_by_label_contains(
-        "left out, without a role: node 9; where one belongs to the wheel give the role",
+        "Left out, without a role: node 9; where one belongs to the wheel give the role",
     );
     let Some(PartSource::Mesh(_, said)) = source(&window) else { panic!("open") };
     let role = |node: &str| said.roles.iter().find(|(name, _)| name == node).map(|(_, role)| *role);

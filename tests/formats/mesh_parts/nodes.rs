@@ -49,7 +49,7 @@ fn one_body_beside_the_only_blade_is_its_splitter_unless_it_is_longer() {
     let (hub, blade, splitter) = (Some(Role::Hub), Some(Role::Blade), Some(Role::Splitter));
     assert_eq!(roles(&meshes), [hub, splitter, blade]);
     let mut bracket = meshes.clone();
-    bracket[1].mesh.points.iter_mut().for_each(|p| p.z *= 1.2);
+    bracket[1].mesh.points.iter_mut().for_each(|p| p.z += 50.0);
     assert_eq!(roles(&bracket), [hub, None, blade]);
     meshes.push(NamedMesh { node: 9, ..bracket.swap_remove(1) });
     assert_eq!(roles(&meshes), [hub, None, blade, None], "which of them is not clear");
