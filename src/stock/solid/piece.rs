@@ -5,7 +5,7 @@ mod place;
 
 use super::outline::Outline;
 use super::part::Action;
-use crate::geometry::{Point, Vector, frame_about};
+use crate::geometry::{Point, Vector, frame_about, norm2};
 
 /// Newton steps to the rounded corner; the distance is convex along a ray, so they come closer without
 /// passing it.
@@ -124,7 +124,7 @@ impl<'a> PieceOnRays<'a> {
         let frame = [x, y, piece.axis];
         let ray = frame.map(|unit| unit[direction]);
         let travel = frame.map(|unit| unit.dot(&piece.travel));
-        let across = travel[0].hypot(travel[1]);
+        let across = norm2(travel[0], travel[1]);
         let moves = across > TINY || travel[2].abs() > TINY;
         Self { piece, frame, ray, travel, moves, squared_across: across * across }
     }
@@ -154,7 +154,7 @@ impl<'a> PieceOnRays<'a> {
     /// Bounds of what the piece can sweep of any ray, or of the rays up to `beside` mm from any.
     pub fn extent(&self, beside: f64) -> Extent {
         let [ex, ey, rise] = self.ray;
-        let across = ex.hypot(ey);
+        let across = norm2(ex, ey);
         let along = if across > TINY { [ex / across, ey / across] } else { [1.0, 0.0] };
         let aside = [-along[1], along[0]];
         let outline = &self.piece.outline;

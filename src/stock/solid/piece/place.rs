@@ -1,15 +1,14 @@
 //! Normal, height and depth at a point where a ray meets a piece.
 
 use super::{PieceOnRays, TINY};
-use crate::geometry::Vector;
+use crate::geometry::{Vector, norm2};
 
 impl PieceOnRays<'_> {
     /// Unit normal out of the swept body at the point `t` of the ray, reached at `share`.
     pub fn normal(&self, origin: &[f64; 3], t: f64, share: f64) -> Vector {
         let outline = &self.piece.outline;
         let at: [f64; 3] = std::array::from_fn(|k| origin[k] + t * self.ray[k] - share * self.travel[k]);
-        // Not `hypot`, a call of the library that shows in profiles.
-        let radial = (at[0] * at[0] + at[1] * at[1]).sqrt();
+        let radial = norm2(at[0], at[1]);
         let (side, end) = match outline.corner {
             Some((flat, corner)) => {
                 let (out, down) = ((radial - flat).max(0.0), (corner - at[2]).max(0.0));
@@ -62,7 +61,7 @@ impl PieceOnRays<'_> {
                 let at: [f64; 3] =
                     std::array::from_fn(|k| origin[k] + t * self.ray[k] - share * self.travel[k]);
                 if (0.0..=outline.length).contains(&at[2]) {
-                    let in_side = outline.radius_at(at[2]) - at[0].hypot(at[1]);
+                    let in_side = outline.radius_at(at[2]) - norm2(at[0], at[1]);
                     let depth = in_side.min(self.piece.above + at[2]);
                     if depth > deepest.0 {
                         deepest = (depth, t);
