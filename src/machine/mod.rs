@@ -48,7 +48,7 @@ pub use model::{
     AxisSide, LINEAR_NAMES, LinearAxis, LinkSettings, MachineTable, MachineTool, OutputKind, PartPlacement,
     RotaryAxis, TurnLink,
 };
-pub use motion::{MachineProgram, MotionOptions, gauge_length, machine_program};
+pub use motion::{INSTEAD_OF_PLANES, MachineProgram, MotionOptions, gauge_length, machine_program};
 pub use placement::PlacedPart;
 pub use step::{MachineStep, MoveAngles, StepMotion};
 pub use time::{MachineTime, SectionTime, block_times, move_clock, section_times};

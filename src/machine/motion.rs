@@ -26,6 +26,8 @@ const MAX_HALVINGS: u32 = 40;
 const MAX_POINTS_PER_MOVE: usize = 20_000;
 /// Share of a tolerance that splitting keeps to, as a move is sampled only.
 const SAFE_SHARE: f64 = 0.8;
+/// What to do where a program turns the tool under feed, which tilted planes cannot do.
+pub const INSTEAD_OF_PLANES: &str = "give another --output, such as tcp-angles";
 
 /// How to make the motion.
 #[derive(Clone, Copy, Debug)]
@@ -262,8 +264,7 @@ impl MotionMaker<'_> {
                 let rate = self.check_feed(motion, line)?.unwrap_or_default();
                 if self.options.output == OutputKind::Plane && from.angles != pose.angles {
                     let what = "the tool turns under feed, which planes cannot do";
-                    let help = "give another --output, such as tcp-angles";
-                    let error = UserError::new(ErrorCode::ControlOutput, what, help);
+                    let error = UserError::new(ErrorCode::ControlOutput, what, INSTEAD_OF_PLANES);
                     return Err(MotionFault::Lacks { line, error });
                 }
                 let tolerance = (self.options.tip_tolerance, self.options.axis_tolerance_rad);

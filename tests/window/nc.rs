@@ -318,7 +318,9 @@ fn a_subprogram_says_how_often_it_is_called_and_how_the_offset_turns() {
     }
     let notice = window.state().state().notice.as_ref().expect("a message").text.clone();
     assert!(notice.ends_with(&words), "{notice}");
-    assert!(sheet(&mut window, folder.path()).contains(&words), "the sheet goes to the machine, too");
+    let page = sheet(&mut window, folder.path());
+    assert!(page.contains(&words), "the sheet goes to the machine, too");
+    assert!(page.contains("channel by channel, opposite channels, about "), "each call ends its channel: {page}");
 
     // A program of several channels is called once.
     ask(&mut window);

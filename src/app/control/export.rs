@@ -24,6 +24,7 @@ use crate::app::views::command::Command;
 use crate::app::views::nc_dialog::{NcAnswer, NcQuestion, TargetChoice};
 use crate::app::views::picture_dialog::ExportSettings;
 use crate::app::views::release::{self, Recalculation, ReleaseAnswer, ReleaseWords, Renewal};
+use crate::io::nc::Dialect;
 use crate::io::shop_tools::{fusion_remarks, is_fusion_library};
 use crate::job::flank::FlankOutcome;
 use crate::job::worker::Outcome;
@@ -440,9 +441,13 @@ impl App {
                 let Some(question) = self.nc_dialog.question() else { return };
                 let (operation, dialect) = (question.operation, question.target.dialect);
                 let purpose = Purpose::ExportNc { operation, dialect };
-                let ending = purpose.filter().1.first().copied().unwrap_or_default();
-                // Main program and subprogram are two files.
-                let of_kind = if question.target.is_subprogram { "-subprogram" } else { "" };
+                let is_subprogram = question.target.is_subprogram;
+                let ending = match dialect {
+                    Dialect::Siemens if is_subprogram => "spf",
+                    _ => purpose.filter().1.first().copied().unwrap_or_default(),
+                };
+                // Main program and subprogram are two files. Siemens takes no hyphens in their names.
+                let of_kind = if is_subprogram { "_subprogram" } else { "" };
                 let ending = format!("{of_kind}.{ending}");
                 let name = match operation {
                     Operation::Flank => self.suggest_flank_name(question.channels, &ending),

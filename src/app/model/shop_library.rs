@@ -379,8 +379,7 @@ mod tests {
     #[test]
     fn what_is_given_is_no_longer_noted_as_assumed() {
         let mut library = ShopLibrary::default();
-        let rates = "no plunge feed in the library: by `material` of the setup; without one 300 mm/min, \
-                     1200 rev/min";
+        let rates = "no plunge feed in the library: by `material` of the setup; without one 300 mm/min";
         let noted = ["insert width assumed: the cutter cuts to its centre", "another remark", rates];
         library.edit(|library| {
             let entry = Arc::make_mut(&mut library.tools[0]);

@@ -17,15 +17,18 @@ use crate::io::nc::read_post;
 use crate::job::flank::FlankOutcome;
 use crate::job::flank_channels::FlankProgram;
 use crate::job::post::{PostFault, PostRequest, PostedProgram, post_program};
-use crate::machine::{BlankSize, ChannelCalls, INSTEAD_OF_CALLS, PlacedPart};
+use crate::machine::{BlankSize, ChannelCalls, INSTEAD_OF_CALLS, INSTEAD_OF_PLANES, PlacedPart};
 use crate::monitor::{Cancelled, Monitor};
 use crate::report::sheet::ProgramFile;
 use crate::setup::{AxisPolicy, ChannelSetup, Tool};
 use crate::toolpath::ClProgram;
 use crate::verify::{Fault, VerifyError, verify};
 
-/// What to do instead of a subprogram, in the words of the dialog.
-const INSTEAD_OF_SUBPROGRAM: &str = "export all channels, without Subprogram";
+/// What is to be done with options of the command line, and the same in the words of the dialog.
+const IN_DIALOG: [(&str, &str); 2] = [
+    (INSTEAD_OF_CALLS, "export all channels, without Subprogram"),
+    (INSTEAD_OF_PLANES, "choose another Output, such as Rotary angles"),
+];
 
 /// Why a program or its setup sheet is not written.
 pub(super) enum UnwrittenProgram {
@@ -241,10 +244,13 @@ impl NcTask {
     fn file(&self, name: String, placed: &PlacedPart) -> ProgramFile {
         let PostTarget { machine, control, .. } = &self.target;
         let [machine, control] = [machine, control].map(|name| short_name(name));
-        let calls = self.calls().and_then(ChannelCalls::words);
+        let calls = self.calls();
+        let is_called_for_each_channel = matches!(calls, Some(ChannelCalls::EachChannel { .. }));
+        let calls = calls.and_then(ChannelCalls::words);
         let calls = calls.map_or_else(String::new, |words| format!(", subprogram {words}"));
         let lies: String = placed.comments().iter().map(|comment| format!(", {comment}")).collect();
-        ProgramFile { name, about: format!("NC code for {machine}, control {control}{calls}{lies}") }
+        let about = format!("NC code for {machine}, control {control}{calls}{lies}");
+        ProgramFile { name, about, is_called_for_each_channel }
     }
 }
 
@@ -336,8 +342,8 @@ fn post(
         let place = if move_number > 0 { format!("move {move_number}: ") } else { String::new() };
         let (message, machine) = (error.message, short_name(machine));
         let message = format!("the NC program is not written: {machine}: {place}{message}");
-        // What the command line does with options.
-        let help = if error.help == INSTEAD_OF_CALLS { INSTEAD_OF_SUBPROGRAM.to_owned() } else { error.help };
+        let in_dialog = IN_DIALOG.iter().find(|(options, _)| error.help == *options);
+        let help = in_dialog.map_or(error.help.as_str(), |(_, words)| *words).to_owned();
         InputError::new(error.code, &path.display().to_string(), 0, message, help)
     };
     let mut post = read_post(control)?;

@@ -2,10 +2,17 @@
 
 use std::sync::Arc;
 
-use egui::{Context, Id, Label, Rect, Response, RichText, Role, Stroke, StrokeKind, Ui, WidgetInfo};
+use egui::{
+    Context, Id, Label, Popup, PopupKind, Rect, RectAlign, Response, RichText, Role, Stroke, StrokeKind, Ui,
+    WidgetInfo,
+};
 
 use super::theme::{self, Condition};
 use crate::app::model::field_faults::{FaultyField, FieldFault, FieldScope};
+
+/// Space between a field and what is said beside it, and width of that, points.
+const BESIDE_FIELD: f32 = 40.0;
+const MAX_SAID_WIDTH: f32 = 260.0;
 
 /// What is shown in this frame, and what was edited in it.
 #[derive(Clone, Default)]
@@ -86,6 +93,17 @@ pub fn mark_in_a_line(ui: &mut Ui, at: Rect, [line, text]: [&str; 2], style: (Co
     let one_line = |label: Label| label.truncate().show_tooltip_when_elided(false);
     let label = draw_mark(ui, at, line, style, one_line).on_hover_text(text);
     label.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
+}
+
+/// Says `text` beside the box `at` of a field, over what is there: nothing in the form moves. A click goes
+/// through it.
+pub fn say_beside(ui: &Ui, id: Id, at: Rect, text: &str) {
+    let popup = Popup::new(id.with("beside the field"), ui.ctx().clone(), at, ui.layer_id());
+    let popup = popup.kind(PopupKind::Tooltip).align(RectAlign::RIGHT).align_alternatives(&[RectAlign::LEFT]);
+    popup.gap(BESIDE_FIELD).interactable(false).show(|ui| {
+        ui.set_max_width(MAX_SAID_WIDTH);
+        ui.add(Label::new(RichText::new(text).color(Condition::Blocked.text(ui.visuals()))).wrap());
+    });
 }
 
 fn draw_mark(

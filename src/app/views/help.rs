@@ -59,13 +59,15 @@ pub struct Help {
     glossary: Vec<GlossaryLine>,
     /// Words searched in the glossary.
     words: String,
+    /// Whether the page was not drawn yet: the search of the glossary then takes what is typed.
+    is_new: bool,
 }
 
 impl Help {
     /// Opens a page.
     pub fn open(&mut self, page: HelpPage) {
         let glossary = if page == HelpPage::Glossary { read_glossary(GLOSSARY) } else { Vec::new() };
-        *self = Self { page: Some(page), glossary, words: String::new() };
+        *self = Self { page: Some(page), glossary, words: String::new(), is_new: true };
     }
 
     /// Whether a page is open.
@@ -82,28 +84,30 @@ impl Help {
             ui.heading(page.title());
             ui.add_space(4.0);
             match page {
-                HelpPage::Shortcuts => shortcuts(ui),
-                HelpPage::Glossary => glossary(ui, &self.glossary, &mut self.words),
+                HelpPage::Shortcuts => shortcuts(ui, self.is_new),
+                HelpPage::Glossary => glossary(ui, &self.glossary, &mut self.words, self.is_new),
                 HelpPage::About => about(ui, device),
             }
             ui.add_space(6.0);
             close = ui.button("Close").clicked();
         });
+        self.is_new = false;
         if close || modal.should_close() {
             *self = Self::default();
         }
     }
 }
 
-/// Height of a page, points; less in a low window.
-fn page_height(ui: &Ui) -> f32 {
-    (ui.ctx().content_rect().height() - 160.0).clamp(120.0, 460.0)
+/// The scrolling part of a page, lower in a low window; it begins at its top where it `is_new`.
+fn page_area(ui: &Ui, page: HelpPage, is_new: bool) -> ScrollArea {
+    let height = (ui.ctx().content_rect().height() - 160.0).clamp(120.0, 460.0);
+    let area = ScrollArea::vertical().id_salt(page.title()).max_height(height).min_scrolled_height(height);
+    let area = area.auto_shrink(false);
+    if is_new { area.vertical_scroll_offset(0.0) } else { area }
 }
 
-fn shortcuts(ui: &mut Ui) {
-    let height = page_height(ui);
-    let area = ScrollArea::vertical().max_height(height).min_scrolled_height(height);
-    area.auto_shrink(false).show(ui, |ui| {
+fn shortcuts(ui: &mut Ui, is_new: bool) {
+    page_area(ui, HelpPage::Shortcuts, is_new).show(ui, |ui| {
         Grid::new("shortcuts").num_columns(2).spacing([16.0, 3.0]).striped(true).show(ui, |ui| {
             for command in Command::ALL {
                 let Some(keys) = command.shortcut() else { continue };
@@ -124,31 +128,38 @@ fn shortcuts(ui: &mut Ui) {
     });
 }
 
-fn glossary(ui: &mut Ui, lines: &[GlossaryLine], words: &mut String) {
+fn glossary(ui: &mut Ui, lines: &[GlossaryLine], words: &mut String, is_new: bool) {
     let hint = "Search the glossary";
     let field = ui.add(egui::TextEdit::singleline(words).hint_text(hint).desired_width(f32::INFINITY));
     field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, hint));
+    if is_new {
+        field.request_focus();
+    }
     ui.add_space(4.0);
     let sought = words.to_lowercase();
-    let height = page_height(ui);
-    let area = ScrollArea::vertical().max_height(height).min_scrolled_height(height);
-    area.auto_shrink(false).show(ui, |ui| {
-        for line in lines {
+    let is_found = |line: &&GlossaryLine| match line {
+        GlossaryLine::Heading(_) => sought.is_empty(),
+        GlossaryLine::Term { term, meaning } => {
+            term.to_lowercase().contains(&sought) || meaning.to_lowercase().contains(&sought)
+        }
+    };
+    page_area(ui, HelpPage::Glossary, is_new).show(ui, |ui| {
+        if !lines.iter().any(|line| is_found(&line)) {
+            ui.label(RichText::new("No entry has these words").weak());
+        }
+        for line in lines.iter().filter(is_found) {
             match line {
-                GlossaryLine::Heading(heading) if sought.is_empty() => {
+                GlossaryLine::Heading(heading) => {
                     ui.add_space(6.0);
                     ui.label(RichText::new(heading).strong());
                 }
-                GlossaryLine::Term { term, meaning }
-                    if term.to_lowercase().contains(&sought) || meaning.to_lowercase().contains(&sought) =>
-                {
+                GlossaryLine::Term { term, meaning } => {
                     let mut text = egui::text::LayoutJob::default();
                     let format = |colour| egui::TextFormat { color: colour, ..Default::default() };
                     text.append(term, 0.0, format(ui.visuals().strong_text_color()));
                     text.append(&format!(": {meaning}"), 0.0, format(ui.visuals().text_color()));
                     ui.add(Label::new(text).wrap());
                 }
-                _ => {}
             }
         }
     });

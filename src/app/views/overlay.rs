@@ -21,6 +21,7 @@ use crate::app::views::command::Command;
 use crate::app::views::count_field;
 use crate::app::views::long_menu::long_content;
 use crate::app::views::panels::flank;
+use crate::app::views::panels::problems::below_messages;
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::units;
 
@@ -84,10 +85,15 @@ fn fit_switch(ui: &mut Ui) {
     *padding = padding.min(most).max(0.0);
 }
 
-/// Policy of a side, below the switch; a list where several policies were planned.
-pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut AppState, side: Side) {
+/// Upper left corner of the policy of the side that is shown in `rect`.
+fn policy_corner(rect: Rect) -> Pos2 {
+    rect.min + egui::vec2(10.0, 44.0)
+}
+
+/// Policy of the side that is shown in `rect`, below the switch; a list where several policies were planned.
+pub fn policy(ui: &mut Ui, rect: Rect, state: &mut AppState, side: Side) {
     let (Some(now), Some(planned)) = (state.policy(side), state.results.planned.clone()) else { return };
-    let at = Rect::from_min_size(corner, egui::vec2(150.0, 28.0));
+    let at = Rect::from_min_size(below_messages(ui, policy_corner(rect)), egui::vec2(150.0, 28.0));
     floating(ui, at, |ui| {
         let name = match side {
             Side::Before => "Axis strategy before",
@@ -133,7 +139,8 @@ pub fn stale_words(state: &AppState) -> Option<&'static str> {
 pub fn preview_badge(ui: &mut Ui, rect: Rect, stale: Option<&'static str>, preview: Option<&PreviewCutters>) {
     let orange = Condition::Blocked;
     ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, orange.mark()), egui::StrokeKind::Inside);
-    let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 78.0), egui::vec2(230.0, 62.0)).intersect(rect);
+    let corner = below_messages(ui, policy_corner(rect)) + egui::vec2(0.0, 34.0);
+    let at = Rect::from_min_size(corner, egui::vec2(230.0, 62.0)).intersect(rect);
     floating(ui, at, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         if let Some(why) = stale {

@@ -204,8 +204,15 @@ pub fn show(ui: &mut Ui, form: Id, label: &str, value: f64, at: Rect) {
         ui.data_mut(|data| data.remove::<Note>(key));
         return;
     }
-    let line = note.line.as_ref().unwrap_or(&note.text);
-    field_faults::mark_in_a_line(ui, at, [line, &note.text], (Condition::Blocked, 1.0));
+    let style = (Condition::Blocked, 1.0);
+    match note.refused {
+        Some(_) => {
+            let line = note.line.as_ref().unwrap_or(&note.text);
+            field_faults::mark_in_a_line(ui, at, [line, &note.text], style);
+            field_faults::say_beside(ui, key, at, &note.text);
+        }
+        None => field_faults::mark(ui, at, &note.text, style),
+    }
 }
 
 #[cfg(test)]

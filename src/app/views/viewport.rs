@@ -305,8 +305,7 @@ impl App {
             None => {}
         }
         for pane in panes.iter().filter(|_| roughing) {
-            let corner = pane.visible.left_top() + egui::vec2(10.0, 44.0);
-            overlay::policy(ui, corner, &mut self.state, pane.side);
+            overlay::policy(ui, pane.visible, &mut self.state, pane.side);
         }
         let channels = self.channel_count();
         let mut layers = self.state.look.layers;

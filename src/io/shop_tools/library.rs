@@ -180,7 +180,7 @@ impl AssumedInsert {
 /// What is noted where a library does not know holders.
 pub(super) const UNKNOWN_HOLDER: &str = "the holder is unknown";
 /// What is noted of a rate that a library does not give.
-const MISSING_RATE: &str = "in the library: by `material` of the setup; without one 300 mm/min, 1200 rev/min";
+const MISSING_RATE: &str = "in the library: by `material` of the setup; without one";
 
 impl LibraryTool {
     /// Replaces the tool of this entry by `tool`. A value that changes was entered by the user: the note that
@@ -216,13 +216,13 @@ pub(super) fn note_missing_rates(tool: &Tool, notes: &mut Vec<String>) {
     let missing = more.missing_rates;
     let spindle = missing.spindle && more.cutting_speed.is_none();
     let feed = missing.plunge_feed && (more.feed_per_tooth.is_none() || more.teeth.is_none());
-    let what = match (feed, spindle) {
-        (true, true) => "neither plunge feed nor spindle speed",
-        (true, false) => "no plunge feed",
-        (false, true) => "no spindle speed",
+    let [missing, otherwise] = match (feed, spindle) {
+        (true, true) => ["neither plunge feed nor spindle speed", "300 mm/min, 1200 rev/min"],
+        (true, false) => ["no plunge feed", "300 mm/min"],
+        (false, true) => ["no spindle speed", "1200 rev/min"],
         (false, false) => return,
     };
-    notes.push(format!("{what} {MISSING_RATE}"));
+    notes.push(format!("{missing} {MISSING_RATE} {otherwise}"));
 }
 
 /// Checks the sizes of a tool as the reader of setups does: writes it and reads it back.

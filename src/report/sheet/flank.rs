@@ -2,16 +2,16 @@
 
 use std::fmt::Write;
 
+use super::wheel::{CalledProgram, WheelLine, WheelTime};
 use super::{
-    MAX_FAULTS, ProgramFile, SheetPart, faults_text, heading_of, on_machine_text, page, program_files,
-    tool_card, tool_warnings, warning_list,
+    MAX_FAULTS, ProgramFile, SheetPart, faults_text, heading_of, page, program_files, tool_card,
+    tool_warnings, warning_list,
 };
 use crate::flank::UncutLength;
 use crate::flank::choice::overhang_note;
 use crate::job::flank::FlankOutcome;
 use crate::job::flank_channels::FlankProgram;
 use crate::machine::MachineClock;
-use crate::report::html::escaped;
 use crate::report::words::{channels_text, left_out_text, tool_loads_text};
 use crate::report::{PagePicture, ReportPage};
 use crate::setup::{FlankFeedRates, FlankStrategy, Tool};
@@ -149,7 +149,7 @@ fn program_text(input: &FlankSheetInput) -> String {
         program.times.rapid_length,
         program_time_text(program),
         outcome.time_s() / 60.0,
-        wheel_text(outcome),
+        wheel_text(outcome, files),
     )
 }
 
@@ -171,26 +171,32 @@ fn of_one_channel(channels: usize) -> &'static str {
 }
 
 /// The time of all channels, after that of one; nothing where the machine cannot run them.
-fn wheel_text(outcome: &FlankOutcome) -> String {
-    let Some(wheel) = outcome.wheel_time_s else { return String::new() };
-    let part = &outcome.workpiece.part;
-    let changes = outcome.wheel_tool_loads;
-    let without_changes = TOOL_CHANGE_S * changes as f64;
-    let (wheel, what) = match (outcome.clock.as_ref(), outcome.machine_time) {
-        (Some(clock), Some(_)) => (wheel, on_machine_text(clock.machine())),
-        (Some(clock), None) => (
-            wheel + without_changes,
-            format!("accelerations left out: {} cannot run the program", escaped(&clock.machine().name)),
-        ),
-        (None, _) => (wheel + without_changes, "accelerations left out".to_owned()),
+fn wheel_text(outcome: &FlankOutcome, files: &[ProgramFile]) -> String {
+    let Some(time_s) = outcome.wheel_time_s else { return String::new() };
+    let channels = outcome.workpiece.part.blade_count;
+    let machine = outcome.clock.as_ref().map(MachineClock::machine);
+    let mut wheel = WheelLine {
+        channels,
+        order: outcome.setup.channels,
+        tool_changes: outcome.wheel_tool_loads,
+        time_s,
+        of: match (machine, outcome.machine_time) {
+            (Some(machine), Some(_)) => WheelTime::OnMachine(machine),
+            (Some(machine), None) => WheelTime::Refused(machine),
+            (None, _) => WheelTime::Estimated,
+        },
     };
-    format!(
-        "; the wheel, {} channels and {}, {}, about {:.0} min ({what})",
-        part.blade_count,
-        if changes == 1 { "one tool change".to_owned() } else { format!("{changes} tool changes") },
-        outcome.setup.channels.words(),
-        wheel / 60.0,
-    )
+    if CalledProgram::is_among(files) {
+        let tool_loads = outcome.program().tool_loads();
+        wheel = wheel.in_calls(&CalledProgram {
+            tool_loads,
+            // A single tool stays from call to call.
+            tool_changes: if tool_loads == 1 { 1 } else { tool_loads * channels },
+            estimate_s: outcome.time_estimate,
+            machine_time: outcome.machine_time,
+        });
+    }
+    format!("; {}", wheel.words())
 }
 
 fn tools_text(outcome: &FlankOutcome) -> String {

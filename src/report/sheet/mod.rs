@@ -3,10 +3,12 @@
 
 mod drawing;
 pub mod flank;
+mod wheel;
 
 use std::fmt::Write;
 use std::path::Path;
 
+use self::wheel::{CalledProgram, WheelLine, WheelTime};
 use super::html::escaped;
 use super::words::{
     as_sentence, channels_text, clearances_text, counted, finishing_text, minutes, minutes_text,
@@ -19,8 +21,7 @@ use crate::part::{Impeller, Workpiece};
 use crate::plunge::channels::count_tool_loads;
 use crate::plunge::{DropReason, UnappliedEdit};
 use crate::setup::cutting_data::cutting_speed_at;
-use crate::setup::{PlungePose, SectionKind, Setup, Tool};
-use crate::toolpath::TOOL_CHANGE_S;
+use crate::setup::{ChannelOrder, PlungePose, SectionKind, Setup, Tool};
 use crate::verify::PlungeReport;
 
 /// Faults that are listed one by one.
@@ -61,17 +62,23 @@ pub struct ProgramFile {
     pub name: String,
     /// What it is: the kind of file, and for which machine and control.
     pub about: String,
+    /// Whether another program calls it, once for each channel.
+    pub is_called_for_each_channel: bool,
 }
 
 impl ProgramFile {
     /// An APT file of that name.
     pub fn apt(name: impl Into<String>) -> Self {
-        Self { name: name.into(), about: "APT".to_owned() }
+        Self::of_kind(name, "APT")
     }
 
     /// The plan itself, in a file of that name.
     pub fn plan(name: impl Into<String>) -> Self {
-        Self { name: name.into(), about: "plan".to_owned() }
+        Self::of_kind(name, "plan")
+    }
+
+    fn of_kind(name: impl Into<String>, about: &str) -> Self {
+        Self { name: name.into(), about: about.to_owned(), is_called_for_each_channel: false }
     }
 }
 
@@ -363,21 +370,27 @@ fn sections_text(input: &SheetInput) -> String {
     }
     let blades = outcome.workpiece.part.blade_count;
     let order = outcome.setup.channels;
-    let tool_changes = count_tool_loads(&shown.plan, order.order, blades);
-    let changes = if tool_changes == 1 { "one tool change" } else { &format!("{tool_changes} tool changes") };
     if shown.summary.is_refused {
         return sections_table(&rows, "The machine of the setup cannot run this plan.");
     }
-    let one = minutes(&shown.summary);
-    let wheel = shown.summary.time_of_channels_s(blades, blades) / 60.0;
-    let (wheel, what) = match outcome.clock.machine().filter(|_| shown.summary.machine_time.is_some()) {
-        Some(machine) => (wheel, on_machine_text(machine)),
-        None => (wheel + TOOL_CHANGE_S / 60.0 * tool_changes as f64, "accelerations left out".to_owned()),
+    let tool_loads = |order: ChannelOrder, channels: usize| count_tool_loads(&shown.plan, order, channels);
+    let machine = outcome.clock.machine().filter(|_| shown.summary.machine_time.is_some());
+    let mut wheel = WheelLine {
+        channels: blades,
+        order,
+        tool_changes: tool_loads(order.order, blades),
+        time_s: shown.summary.time_of_channels_s(blades, blades),
+        of: machine.map_or(WheelTime::Estimated, WheelTime::OnMachine),
     };
-    let mut below = format!(
-        "One channel {one:.1} min; the wheel, {blades} channels and {changes}, {}, about {wheel:.0} min ({what}).",
-        order.words()
-    );
+    if CalledProgram::is_among(input.files) {
+        wheel = wheel.in_calls(&CalledProgram {
+            tool_loads: tool_loads(ChannelOrder::ChannelByChannel, 1),
+            tool_changes: tool_loads(ChannelOrder::ChannelByChannel, blades),
+            estimate_s: shown.summary.time_estimate,
+            machine_time: shown.summary.machine_time,
+        });
+    }
+    let mut below = format!("One channel {:.1} min; {}.", minutes(&shown.summary), wheel.words());
     if let Some(finishing) = finishing_text(outcome, shown) {
         let _ = write!(below, " Afterwards {finishing}.");
     }
@@ -392,11 +405,6 @@ fn sections_table(rows: &str, below: &str) -> String {
          <tbody>{rows}</tbody></table>\n\
          <p>{below}</p>\n",
     )
-}
-
-/// What the times of a program on its machine count.
-fn on_machine_text(machine: &MachineTool) -> String {
-    format!("on {} with accelerations", escaped(&machine.name))
 }
 
 /// Time of section `index` of a plan on its machine, min.

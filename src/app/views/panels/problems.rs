@@ -1,7 +1,7 @@
 //! Problem messages with location and remedy, shown over the 3D view until they are dismissed or solved.
 
 use egui::style::ScrollStyle;
-use egui::{Align, Area, Frame, Id, Label, LayerId, Layout, Order, Rect, RichText, Ui};
+use egui::{Align, Area, Frame, Id, Label, LayerId, Layout, Order, Pos2, Rect, RichText, Ui};
 
 use crate::app::model::problem::{Problem, without_markdown};
 use crate::app::model::state::AppState;
@@ -19,6 +19,8 @@ const MAX_WIDTH: f32 = 560.0;
 const NOTE_WIDTH: f32 = 250.0;
 const CUBE_WIDTH: f32 = 80.0;
 const MIN_WIDTH: f32 = 360.0;
+/// Size of the texts below the switch, points.
+const TEXTS: egui::Vec2 = egui::vec2(230.0, 96.0);
 /// Share of the view that they cover at most where the newest one fits into it, and least height, points:
 /// what is more is scrolled to.
 const MAX_SHARE: f32 = 0.4;
@@ -65,10 +67,25 @@ fn is_new(ui: &Ui, problems: Vec<Problem>) -> bool {
     is_new
 }
 
+fn covered_key() -> Id {
+    Id::unique("what problem messages cover")
+}
+
+/// The upper left `corner` of the texts below the switch of a view, moved down where the messages of the frame
+/// before would cover them.
+pub fn below_messages(ui: &Ui, corner: Pos2) -> Pos2 {
+    let covered = ui.data(|data| data.get_temp::<Rect>(covered_key())).unwrap_or(Rect::NOTHING);
+    match covered.intersects(Rect::from_min_size(corner, TEXTS)) {
+        true => egui::pos2(corner.x, covered.bottom() + 4.0),
+        false => corner,
+    }
+}
+
 /// Draws the problems over the view `whole`; returns how far down they reach, 0 without any.
 pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
     if state.problems.is_empty() {
         is_new(ui, Vec::new());
+        ui.data_mut(|data| data.remove::<Rect>(covered_key()));
         return 0.0;
     }
     let (mut is_undone, mut dismissed, mut newest_height) = (false, None, 0.0);
@@ -140,5 +157,8 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
         typed::forget(ui.ctx());
         state.document.undo();
     }
-    shown.response.rect.bottom().min(at.top() + height) - whole.top()
+    let covered = shown.response.rect;
+    let covered = covered.with_max_y(covered.bottom().min(at.top() + height));
+    ui.data_mut(|data| data.insert_temp(covered_key(), covered));
+    covered.bottom() - whole.top()
 }
