@@ -3,7 +3,7 @@
 use super::holes::fill_holes;
 use super::nose::{joined_to, outline_ahead};
 use super::options::{LengthUnit, MeshOptions};
-use super::part_notes::{ring_note, sense_from_wrap, sides_note};
+use super::part_notes::{ring_note, sense_from_wrap, sides_note, splitter_note};
 use super::profile::FittedProfile;
 use super::roles::{NamedMesh, given_roles, roles_from_names};
 use super::rows::{BladeRows, separate_blades};
@@ -149,7 +149,11 @@ fn describe_roles(
         shroud_line: 0,
         count_line: 0,
     };
-    found.notes.extend(sides_note(&found, &main_corners));
+    // What cannot be built says so itself.
+    if let Ok(part) = Impeller::build(&found) {
+        found.notes.extend(splitter_note(&part));
+        found.notes.extend(sides_note(&part, &main_corners));
+    }
     Ok(found)
 }
 

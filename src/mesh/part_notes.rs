@@ -2,13 +2,16 @@
 
 use super::sides::{SideCurve, SpanSection};
 use crate::geometry::{Meridional, MeridionalCurve, Point};
-use crate::part::{Blade, Impeller, PartDescription, Rotation, SideProbe};
+use crate::part::{Blade, Impeller, Rotation, SideProbe};
 
 /// Smallest wrap of a blade from which the sense of rotation is derived without a note, rad.
 const CLEAR_WRAP: f64 = 0.1;
 /// Smallest width of a ring of the hub past the trailing edge that is noted, as a share of its radius: a rim
 /// may be chamfered or rounded.
 const RING: f64 = 0.02;
+
+/// Length by which a splitter begins ahead of the main blades for a note, as a share of that of the hub.
+const AHEAD: f64 = 0.05;
 
 /// Heights in the channel, as shares of its own, between which corners of a mesh are held against the sides:
 /// beyond are fillets and rounded tips.
@@ -55,11 +58,22 @@ pub fn ring_note(sections: &[SpanSection], hub: &MeridionalCurve) -> Option<Stri
     })
 }
 
-/// A line about sides of the main blade of `found` that leave the `corners` of its mesh: its sections were
+/// A line about splitters that begin ahead of the main blades, hub and tip: the roles may be exchanged.
+pub fn splitter_note(part: &Impeller) -> Option<String> {
+    let hub = part.hub.curve();
+    let (begins, least) = (|blade: &Blade, v: f64| blade.leading_edge_on(hub, v), AHEAD * hub.length());
+    let is_ahead =
+        |splitter: &Blade| [0.0, 1.0].iter().all(|&v| begins(splitter, v) < begins(&part.main, v) - least);
+    part.splitters.iter().any(is_ahead).then(|| {
+        "the splitters begin ahead of the main blades, where nothing is planned: check which of them are the \
+         main blades, and give their roles"
+            .to_owned()
+    })
+}
+
+/// A line about sides of the main blade of `part` that leave the `corners` of its mesh: its sections were
 /// misread somewhere.
-pub fn sides_note(found: &PartDescription, corners: &[Point]) -> Option<String> {
-    // What cannot be built says so itself.
-    let part = Impeller::build(found).ok()?;
+pub fn sides_note(part: &Impeller, corners: &[Point]) -> Option<String> {
     let probes = [&part.main.suction, &part.main.pressure].map(|side| SideProbe::new(side, 0.0, 1.0));
     let is_beside = |p: &&Point| {
         let place = Meridional::from_point(p);
@@ -105,7 +119,7 @@ fn off_tail(blade: &Blade, v: f64, corner: &Point) -> f64 {
 mod tests {
     use super::*;
     use crate::geometry::Vector;
-    use crate::part::{BladeDescription, CamberSpan, CurveDescription};
+    use crate::part::{BladeDescription, CamberSpan, CurveDescription, PartDescription};
 
     /// A wheel of 240 mm with blades that wrap, along quarters of ellipses.
     fn wheel() -> PartDescription {
@@ -138,16 +152,15 @@ mod tests {
 
     #[test]
     fn sides_that_leave_the_mesh_are_noted() {
-        let found = wheel();
-        let part = Impeller::build(&found).expect("an impeller");
+        let part = Impeller::build(&wheel()).expect("an impeller");
         let places = (2..=8).flat_map(|i| [0.4, 0.6, 0.9].map(|v| (0.1 * f64::from(i), v)));
         let corners: Vec<Point> = places.map(|(u, v)| part.main.suction.point(u, v)).collect();
-        assert_eq!(sides_note(&found, &corners), None);
+        assert_eq!(sides_note(&part, &corners), None);
         let moved = |way_mm: f64| {
             let mut corners = corners.clone();
             let p = corners[9];
             corners[9] += way_mm * Vector::new(-p.y, p.x, 0.0).normalize();
-            sides_note(&found, &corners)
+            sides_note(&part, &corners)
         };
         assert_eq!(moved(0.05), None);
         // Beyond the other side.
@@ -159,17 +172,35 @@ mod tests {
 
     #[test]
     fn corners_ahead_of_the_leading_edge_are_noted_and_those_of_a_blunt_trailing_edge_are_not() {
-        let found = wheel();
-        let part = Impeller::build(&found).expect("an impeller");
+        let part = Impeller::build(&wheel()).expect("an impeller");
         let at = |u: f64, ahead_mm: f64| {
             let (p, along, _) = part.main.suction.derivatives(u, 0.5);
             p - along.normalize() * ahead_mm
         };
-        assert_eq!(sides_note(&found, &[at(0.0, 0.1)]), None);
-        assert!(sides_note(&found, &[at(0.0, 4.0)]).is_some());
+        assert_eq!(sides_note(&part, &[at(0.0, 0.1)]), None);
+        assert!(sides_note(&part, &[at(0.0, 4.0)]).is_some());
         let [from, to] = [&part.main.suction, &part.main.pressure].map(|side| side.point(1.0, 0.5));
         let middle = from + (to - from) * 0.5;
         assert!((to - from).norm() > 2.0);
-        assert_eq!(sides_note(&found, &[middle]), None);
+        assert_eq!(sides_note(&part, &[middle]), None);
+    }
+    #[test]
+    fn splitters_ahead_of_the_main_blades_are_noted() {
+        let with_splitter = |main_from: f64, splitter_from: f64| {
+            let beginning = |from: f64| {
+                let BladeDescription::Camber { mut spans, line } = wheel().main else { panic!("a camber") };
+                spans.iter_mut().for_each(|span| span.leading_edge = from);
+                BladeDescription::Camber { spans, line }
+            };
+            let found = PartDescription {
+                main: beginning(main_from),
+                splitters: vec![beginning(splitter_from)],
+                ..wheel()
+            };
+            splitter_note(&Impeller::build(&found).expect("an impeller"))
+        };
+        assert_eq!(with_splitter(0.0, 0.3), None);
+        assert_eq!(with_splitter(0.0, 0.0), None);
+        assert!(with_splitter(0.3, 0.0).is_some_and(|note| note.contains("begin ahead")));
     }
 }

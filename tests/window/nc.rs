@@ -320,7 +320,10 @@ fn a_subprogram_says_how_often_it_is_called_and_how_the_offset_turns() {
     assert!(notice.ends_with(&words), "{notice}");
     let page = sheet(&mut window, folder.path());
     assert!(page.contains(&words), "the sheet goes to the machine, too");
-    assert!(page.contains("channel by channel, opposite channels, about "), "each call ends its channel: {page}");
+    assert!(
+        page.contains("channel by channel, opposite channels, about "),
+        "each call ends its channel: {page}"
+    );
 
     // A program of several channels is called once.
     ask(&mut window);
