@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use egui::{
-    Context, Id, Label, Popup, PopupKind, Rect, RectAlign, Response, RichText, Role, Stroke, StrokeKind, Ui,
-    WidgetInfo,
+    Context, Id, Label, Popup, PopupKind, Rect, RectAlign, Response, RichText, Role, Sense, Stroke,
+    StrokeKind, TextStyle, Ui, WidgetInfo,
 };
 
 use super::theme::{self, Condition};
@@ -95,14 +95,16 @@ pub fn mark_in_a_line(ui: &mut Ui, at: Rect, [line, text]: [&str; 2], style: (Co
     label.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
 }
 
-/// Says `text` beside the box `at` of a field, over what is there: nothing in the form moves. A click goes
-/// through it.
+/// Writes `text`, which the field says itself, beside its box `at`, over what is there: nothing in the form
+/// moves. A click goes through it.
 pub fn say_beside(ui: &Ui, id: Id, at: Rect, text: &str) {
     let popup = Popup::new(id.with("beside the field"), ui.ctx().clone(), at, ui.layer_id());
     let popup = popup.kind(PopupKind::Tooltip).align(RectAlign::RIGHT).align_alternatives(&[RectAlign::LEFT]);
     popup.gap(BESIDE_FIELD).interactable(false).show(|ui| {
-        ui.set_max_width(MAX_SAID_WIDTH);
-        ui.add(Label::new(RichText::new(text).color(Condition::Blocked.text(ui.visuals()))).wrap());
+        let (colour, font) = (Condition::Blocked.text(ui.visuals()), TextStyle::Body.resolve(ui.style()));
+        let galley = ui.painter().layout(text.to_owned(), font, colour, MAX_SAID_WIDTH);
+        let (place, _) = ui.allocate_exact_size(galley.size(), Sense::hover());
+        ui.painter().galley(place.min, galley, colour);
     });
 }
 

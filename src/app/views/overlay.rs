@@ -93,7 +93,7 @@ fn policy_corner(rect: Rect) -> Pos2 {
 /// Policy of the side that is shown in `rect`, below the switch; a list where several policies were planned.
 pub fn policy(ui: &mut Ui, rect: Rect, state: &mut AppState, side: Side) {
     let (Some(now), Some(planned)) = (state.policy(side), state.results.planned.clone()) else { return };
-    let at = Rect::from_min_size(below_messages(ui, policy_corner(rect)), egui::vec2(150.0, 28.0));
+    let at = Rect::from_min_size(below_messages(ui, rect, policy_corner(rect)), egui::vec2(150.0, 28.0));
     floating(ui, at, |ui| {
         let name = match side {
             Side::Before => "Axis strategy before",
@@ -139,7 +139,7 @@ pub fn stale_words(state: &AppState) -> Option<&'static str> {
 pub fn preview_badge(ui: &mut Ui, rect: Rect, stale: Option<&'static str>, preview: Option<&PreviewCutters>) {
     let orange = Condition::Blocked;
     ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, orange.mark()), egui::StrokeKind::Inside);
-    let corner = below_messages(ui, policy_corner(rect)) + egui::vec2(0.0, 34.0);
+    let corner = below_messages(ui, rect, policy_corner(rect)) + egui::vec2(0.0, 34.0);
     let at = Rect::from_min_size(corner, egui::vec2(230.0, 62.0)).intersect(rect);
     floating(ui, at, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;

@@ -71,14 +71,13 @@ fn covered_key() -> Id {
     Id::unique("what problem messages cover")
 }
 
-/// The upper left `corner` of the texts below the switch of a view, moved down where the messages of the frame
-/// before would cover them.
-pub fn below_messages(ui: &Ui, corner: Pos2) -> Pos2 {
+/// The upper left `corner` of the texts below the switch of a `view`, moved down where the messages of the
+/// frame before would cover them and leave room for them in the upper part of the view.
+pub fn below_messages(ui: &Ui, view: Rect, corner: Pos2) -> Pos2 {
     let covered = ui.data(|data| data.get_temp::<Rect>(covered_key())).unwrap_or(Rect::NOTHING);
-    match covered.intersects(Rect::from_min_size(corner, TEXTS)) {
-        true => egui::pos2(corner.x, covered.bottom() + 4.0),
-        false => corner,
-    }
+    let below = egui::pos2(corner.x, covered.bottom() + 4.0);
+    let has_room = below.y + TEXTS.y <= view.top() + MAX_SHARE * view.height();
+    if has_room && covered.intersects(Rect::from_min_size(corner, TEXTS)) { below } else { corner }
 }
 
 /// Draws the problems over the view `whole`; returns how far down they reach, 0 without any.
