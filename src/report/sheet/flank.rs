@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use super::wheel::{CalledProgram, WheelLine, WheelTime};
 use super::{
-    MAX_FAULTS, ProgramFile, SheetPart, faults_text, heading_of, page, program_files, tool_card,
-    tool_warnings, warning_list,
+    MAX_FAULTS, ProgramFile, SheetPart, faults_text, heading_of, is_called_for_each_channel, page,
+    program_files, tool_card, tool_warnings, warning_list,
 };
 use crate::flank::UncutLength;
 use crate::flank::choice::overhang_note;
@@ -186,7 +186,7 @@ fn wheel_text(outcome: &FlankOutcome, files: &[ProgramFile]) -> String {
             (None, _) => WheelTime::Estimated,
         },
     };
-    if CalledProgram::is_among(files) {
+    if is_called_for_each_channel(files) {
         let tool_loads = outcome.program().tool_loads();
         wheel = wheel.in_calls(&CalledProgram {
             tool_loads,

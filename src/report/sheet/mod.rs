@@ -82,6 +82,11 @@ impl ProgramFile {
     }
 }
 
+/// Whether one of the files is called by another program, once for each channel.
+fn is_called_for_each_channel(files: &[ProgramFile]) -> bool {
+    files.iter().any(|file| file.is_called_for_each_channel)
+}
+
 /// The files in words; `plan` where there are none.
 fn program_files(files: &[ProgramFile], plan: &str) -> String {
     let of = |file: &ProgramFile| format!("<code>{}</code> ({})", escaped(&file.name), escaped(&file.about));
@@ -382,7 +387,7 @@ fn sections_text(input: &SheetInput) -> String {
         time_s: shown.summary.time_of_channels_s(blades, blades),
         of: machine.map_or(WheelTime::Estimated, WheelTime::OnMachine),
     };
-    if CalledProgram::is_among(input.files) {
+    if is_called_for_each_channel(input.files) {
         wheel = wheel.in_calls(&CalledProgram {
             tool_loads: tool_loads(ChannelOrder::ChannelByChannel, 1),
             tool_changes: tool_loads(ChannelOrder::ChannelByChannel, blades),

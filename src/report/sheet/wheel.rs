@@ -1,6 +1,5 @@
 //! All channels of a wheel: their order, how often tools are changed for them, and their time.
 
-use super::ProgramFile;
 use crate::machine::{MachineTime, MachineTool};
 use crate::report::html::escaped;
 use crate::setup::{ChannelOrder, ChannelSetup};
@@ -36,13 +35,6 @@ pub(super) struct CalledProgram {
     pub estimate_s: f64,
     /// Its time on the machine.
     pub machine_time: Option<MachineTime>,
-}
-
-impl CalledProgram {
-    /// Whether one of the `files` is such a program.
-    pub fn is_among(files: &[ProgramFile]) -> bool {
-        files.iter().any(|file| file.is_called_for_each_channel)
-    }
 }
 
 impl WheelLine<'_> {
