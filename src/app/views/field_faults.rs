@@ -12,7 +12,7 @@ use crate::app::model::field_faults::{FaultyField, FieldFault, FieldScope};
 
 /// Space between a field and what is said beside it, and width of that, points.
 const BESIDE_FIELD: f32 = 40.0;
-const MAX_SAID_WIDTH: f32 = 260.0;
+const MAX_SAID_WIDTH: f32 = 280.0;
 
 /// What is shown in this frame, and what was edited in it.
 #[derive(Clone, Default)]
