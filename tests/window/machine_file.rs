@@ -136,7 +136,7 @@ fn a_setup_is_not_saved_beside_the_machine_file() {
 }
 
 #[test]
-fn faults_of_a_machine_file_stand_at_the_list_until_another_is_chosen() {
+fn faults_of_a_machine_file_stand_at_the_list_until_another_is_chosen_or_the_next_plan() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = own_machine(folder.path());
     let faulty = folder.path().join("faulty.toml");
@@ -159,6 +159,12 @@ fn faults_of_a_machine_file_stand_at_the_list_until_another_is_chosen() {
     window.get_by_label("The name must end in .toml");
     click_enabled(&window, "Cancel");
     window.run_steps(3);
+    assert_eq!(labels(&window, "faulty.toml:").len(), 1);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(6.0);
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(labels(&window, "faulty.toml:").is_empty(), "it is past");
+    open(&mut window, &faulty);
     open(&mut window, &path);
     assert_eq!(shown(&window).as_deref(), Some("own.toml (Mill 5)"));
     assert!(labels(&window, "faulty.toml:").is_empty(), "{:?}", labels(&window, "faulty"));

@@ -23,7 +23,7 @@ pub enum Topic {
     SharedProject,
     /// The stock as a solid: solved by the next plan.
     Stock,
-    /// A machine that was not taken: solved by the next that is.
+    /// A machine that was not taken: solved by the next that is; past with a plan without one.
     Machine,
     /// A file that was not opened: solved by the next that is.
     Opening,

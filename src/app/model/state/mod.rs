@@ -182,6 +182,10 @@ impl AppState {
         self.follow_reordered();
         self.solve(Topic::Plan);
         self.solve(Topic::Stock);
+        // One that was not taken is past.
+        if self.document.edited.setup.machine.file.is_none() {
+            self.solve(Topic::Machine);
+        }
         self.notice = None;
         let fitted = self.results.planned.as_ref().map(|planned| planned.range);
         // Scales that follow every plan would give one colour another meaning in each.
