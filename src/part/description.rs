@@ -130,8 +130,8 @@ impl PartError {
         let help = match self.code {
             _ if part.hub_line != 0 || self.line != 0 => return self,
             ErrorCode::CurvesSwapped => {
-                "the line found along the blade tips is not that of the tips: add the surface of revolution \
-                 through them to the file, named `Shroud`"
+                "if the file has both, exchange their roles; else the line found along the blade tips is not \
+                 theirs: add the surface of revolution through them to the file, named `Shroud`"
             }
             ErrorCode::BladeTooShort => {
                 "curves and sections were found in the file's surfaces: where tips or trailing edges are not \

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use egui::{
-    Context, Id, Label, Popup, PopupKind, Rect, RectAlign, Response, RichText, Role, Sense, Stroke,
-    StrokeKind, TextStyle, Ui, WidgetInfo,
+    Color32, Context, Id, Label, Popup, PopupKind, Rect, RectAlign, Response, RichText, Role, Stroke,
+    StrokeKind, Ui, WidgetInfo,
 };
 
 use super::theme::{self, Condition};
@@ -95,17 +95,25 @@ pub fn mark_in_a_line(ui: &mut Ui, at: Rect, [line, text]: [&str; 2], style: (Co
     label.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
 }
 
-/// Writes `text`, which the field says itself, beside its box `at`, over what is there: nothing in the form
-/// moves. A click goes through it.
-pub fn say_beside(ui: &Ui, id: Id, at: Rect, text: &str) {
+/// As [`mark`], with `text` beside the field, over what is there: the fields below it stay where they are. A
+/// click goes through it.
+pub fn mark_beside(ui: &Ui, id: Id, at: Rect, text: &str, (condition, width): (Condition, f32)) {
+    if !ui.clip_rect().intersects(at) {
+        return;
+    }
+    let colour = condition.text(ui.visuals());
+    draw_frame(ui, at, colour, width);
     let popup = Popup::new(id.with("beside the field"), ui.ctx().clone(), at, ui.layer_id());
     let popup = popup.kind(PopupKind::Tooltip).align(RectAlign::RIGHT).align_alternatives(&[RectAlign::LEFT]);
     popup.gap(BESIDE_FIELD).interactable(false).show(|ui| {
-        let (colour, font) = (Condition::Blocked.text(ui.visuals()), TextStyle::Body.resolve(ui.style()));
-        let galley = ui.painter().layout(text.to_owned(), font, colour, MAX_SAID_WIDTH);
-        let (place, _) = ui.allocate_exact_size(galley.size(), Sense::hover());
-        ui.painter().galley(place.min, galley, colour);
+        ui.set_max_width(MAX_SAID_WIDTH);
+        ui.add(Label::new(RichText::new(text).color(colour)).wrap());
     });
+}
+
+/// The frame round the box `at` of a field.
+fn draw_frame(ui: &Ui, at: Rect, colour: Color32, width: f32) {
+    ui.painter().rect_stroke(at, 3.0, Stroke::new(width, colour), StrokeKind::Outside);
 }
 
 fn draw_mark(
@@ -116,7 +124,7 @@ fn draw_mark(
     fitted: fn(Label) -> Label,
 ) -> Response {
     let colour = condition.text(ui.visuals());
-    ui.painter().rect_stroke(at, 3.0, Stroke::new(width, colour), StrokeKind::Outside);
+    draw_frame(ui, at, colour, width);
     ui.scope(|ui| {
         ui.set_max_width(theme::FIELD_WIDTH + 20.0);
         ui.add(fitted(Label::new(RichText::new(text).small().color(colour))))

@@ -146,7 +146,7 @@ impl ScaleEnd {
         });
         field.on_hover_text(self.tip);
         match typed {
-            Typed::Refused(refusal) => Some(format!("{}: {}", self.name, refusal.reason)),
+            Typed::Refused(reason) => Some(format!("{}: {reason}", self.name)),
             Typed::Nothing | Typed::Unchanged | Typed::Taken => None,
         }
     }

@@ -6,7 +6,7 @@ use egui::{DragValue, Id, Rect, Response, TextEdit, Ui};
 
 use super::panels::fields::{self, FieldSpec};
 use super::theme::Condition;
-use super::typed::{self, Refusal, Typed, TypedLimits};
+use super::typed::{self, Typed, TypedLimits};
 use super::{field_faults, tool_drawing, units};
 use crate::app::model::number::Quantity;
 use crate::app::model::units::DisplayUnits;
@@ -338,9 +338,7 @@ fn length_box(
         .update_while_editing(false);
     let field = ui.add(field).on_hover_text(format!("{what}, {}", units.length_unit()));
     let said = match refused.into_inner() {
-        Typed::Refused(Refusal { reason, limit }) => {
-            Typed::Refused(Refusal { reason: format!("{what}: {reason}"), limit })
-        }
+        Typed::Refused(reason) => Typed::Refused(format!("{what}: {reason}")),
         other => other,
     };
     typed::keep(ui, form, name, PIECE, said);

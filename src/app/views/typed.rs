@@ -1,5 +1,5 @@
-//! Numbers that a field does not take: it keeps its value, and says below it why, and what to do. What a
-//! field changes by itself, since it hangs together with another one, is said there, too.
+//! Numbers that a field does not take: it keeps its value, and says beside it why, and what to do. What a
+//! field changes by itself, since it hangs together with another one, is said below it.
 
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
@@ -22,17 +22,8 @@ pub enum Typed {
     Unchanged,
     /// It was taken.
     Taken,
-    /// It was not.
-    Refused(Refusal),
-}
-
-/// Why a text was not taken.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Refusal {
-    /// The reason, with what to do.
-    pub reason: String,
-    /// The end of the reason that gives the limit, where the value is beyond one.
-    pub limit: Option<String>,
+    /// It was not: the reason, with what to do.
+    Refused(String),
 }
 
 /// The numbers that a field takes.
@@ -53,22 +44,18 @@ pub struct TypedLimits<'a> {
 
 impl TypedLimits<'_> {
     /// The value of `text`, or why it is not taken.
-    fn value(&self, text: &str) -> Result<f64, Refusal> {
+    fn value(&self, text: &str) -> Result<f64, String> {
         let typed = text.trim();
         let Some(value) = self.units.parse(text, self.quantity) else {
-            let reason = format!("“{typed}” is not {}", what_it_is(self.quantity));
-            return Err(Refusal { reason, limit: None });
-        };
-        let beyond = |how: &str, limit: String| {
-            Err(Refusal { reason: format!("{typed} is too {how}: {limit}"), limit: Some(limit) })
+            return Err(format!("“{typed}” is not {}", what_it_is(self.quantity)));
         };
         if value > *self.range.end() {
             let most = (self.show)(*self.range.end());
-            return beyond("much", format!("at most {most}{}", self.why_most));
+            return Err(format!("{typed} is too much: at most {most}{}", self.why_most));
         }
         if value < *self.range.start() {
             let least = (self.show)(*self.range.start());
-            return beyond("little", format!("at least {least}{}", self.why_least));
+            return Err(format!("{typed} is too little: at least {least}{}", self.why_least));
         }
         Ok(value)
     }
@@ -85,8 +72,8 @@ impl TypedLimits<'_> {
                 typed.replace(Typed::Taken);
                 Some(value)
             }
-            Err(refusal) => {
-                typed.replace(Typed::Refused(refusal));
+            Err(reason) => {
+                typed.replace(Typed::Refused(reason));
                 None
             }
         }
@@ -129,12 +116,10 @@ pub fn limited_field<N: egui::emath::Numeric>(
     (response, typed.into_inner())
 }
 
-/// A text below a field, as long as this has the value that it had.
+/// A text at a field, as long as this has the value that it had.
 #[derive(Clone, Debug, PartialEq)]
 struct Note {
     text: String,
-    /// The part of it that stands below the field, where that is not the whole.
-    line: Option<String>,
     value: f64,
     /// Of a text that was not taken, the number of texts that were typed up to it: the next one ends the
     /// note.
@@ -149,13 +134,13 @@ fn typed_count(ui: &Ui) -> TypedCount {
     ui.data(|data| data.get_temp(Id::unique("count of typed values"))).unwrap_or_default()
 }
 
-/// Ends what is said below fields: an input that was not taken is over once another step is undone, or
+/// Ends what is said at fields: an input that was not taken is over once another step is undone, or
 /// another operation looked at.
 pub fn forget(ctx: &Context) {
     ctx.data_mut(|data| data.remove_by_type::<Note>());
 }
 
-/// Ends what is said below fields where `operation` is another one than in the frame before.
+/// Ends what is said at fields where `operation` is another one than in the frame before.
 pub fn follow(ctx: &Context, operation: Operation) {
     let key = Id::unique("operation of typed values");
     let before = ctx.data_mut(|data| data.get_temp::<Operation>(key));
@@ -179,8 +164,8 @@ pub fn keep(ui: &Ui, form: Id, label: &str, value: f64, typed: Typed) {
     ui.data_mut(|data| {
         data.insert_temp(Id::unique("count of typed values"), count);
         match typed {
-            Typed::Refused(Refusal { reason, limit }) => {
-                data.insert_temp(key, Note { text: reason, line: limit, value, refused: Some(count) });
+            Typed::Refused(text) => {
+                data.insert_temp(key, Note { text, value, refused: Some(count) });
             }
             Typed::Taken => data.remove::<Note>(key),
             // With the count, a text that was refused is over.
@@ -192,7 +177,7 @@ pub fn keep(ui: &Ui, form: Id, label: &str, value: f64, typed: Typed) {
 
 /// Says `text` below the field of this label in `form`, until its value is another than `value`.
 pub fn say(ui: &Ui, form: Id, label: &str, value: f64, text: String) {
-    ui.data_mut(|data| data.insert_temp(key(form, label), Note { text, line: None, value, refused: None }));
+    ui.data_mut(|data| data.insert_temp(key(form, label), Note { text, value, refused: None }));
     ui.ctx().request_repaint();
 }
 
@@ -206,11 +191,7 @@ pub fn show(ui: &mut Ui, form: Id, label: &str, value: f64, at: Rect) {
     }
     let style = (Condition::Blocked, 1.0);
     match note.refused {
-        Some(_) => {
-            let line = note.line.as_ref().unwrap_or(&note.text);
-            field_faults::mark_in_a_line(ui, at, [line, &note.text], style);
-            field_faults::say_beside(ui, key, at, &note.text);
-        }
+        Some(_) => field_faults::mark_beside(ui, key, at, &note.text, style),
         None => field_faults::mark(ui, at, &note.text, style),
     }
 }
@@ -242,10 +223,7 @@ mod tests {
             ("5 ft", None, Some("“5 ft” is not a length: 12.5, 30/4 mm or 0.5 in are")),
         ] {
             assert_eq!(limits.parse(text, "10 mm", &typed), value, "{text}");
-            let refusal = |word: &str| {
-                let limit = word.split_once(": at ").map(|(_, limit)| format!("at {limit}"));
-                Typed::Refused(Refusal { reason: word.to_owned(), limit })
-            };
+            let refusal = |word: &str| Typed::Refused(word.to_owned());
             assert_eq!(*typed.borrow(), word.map_or(Typed::Taken, refusal), "{text}");
         }
     }

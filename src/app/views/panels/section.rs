@@ -346,14 +346,19 @@ fn patch(ui: &Ui, painter: &egui::Painter, rect: Rect, view: &SectionView) {
 /// The figures below the drawing.
 fn show_figures(ui: &mut Ui, view: &SectionView, position: &Position) {
     let units = units::display_units(ui);
-    let mut facts = vec![
-        format!("lead {:.2}°", position.alpha_rad.to_degrees()),
-        format!("tilt in this cut {:.2}°", view.lead_rad.to_degrees()),
-    ];
+    let mut facts = vec![format!("lead {:.2}°", position.alpha_rad.to_degrees())];
+    // A plunge that is lifted far ends above it.
+    let has_hub = view.hub.iter().any(|[x, _]| x.abs() < view.tool.radius());
+    if has_hub {
+        facts.push(format!("tilt in this cut {:.2}°", view.lead_rad.to_degrees()));
+    }
     if view.step > 0.0 {
         facts.push(format!("step {}", units.length(view.step, 2)));
     }
-    facts.push(format!("max residual {}", units.length(view.max_residual, 2)));
+    facts.push(match has_hub {
+        true => format!("max residual {}", units.length(view.max_residual, 2)),
+        false => "the hub is not in this cut".to_owned(),
+    });
     if position.lift > 0.0 {
         facts.push(format!("ends {} above full depth", units.length(position.lift, 2)));
     }
