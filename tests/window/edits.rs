@@ -60,6 +60,18 @@ fn set(window: &mut Window, field: &str, value: f64) {
 }
 
 #[test]
+fn a_plunge_that_is_lifted_off_the_hub_has_none_in_its_sectional_view() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = planned(folder.path());
+    select(&mut window, 3);
+    set(&mut window, "Lift by", 95.0);
+    click(&mut window, "Lift");
+    click(&mut window, "Sectional view");
+    window.get_by_label_contains("the hub is not in this cut");
+    assert!(window.query_by_label_contains("max residual").is_none(), "it would be 0");
+}
+
+#[test]
 fn a_plunge_is_lifted_deleted_and_brought_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut window = planned(folder.path());
