@@ -185,16 +185,21 @@ pub fn guess_roles(nodes: &[MeshNode]) -> Vec<Option<Role>> {
         rows.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
         let hub = roles.iter().position(|role| *role == Some(Role::Hub));
         let axis = hub.map_or_else(|| revolution_axis_of(nodes), |hub| nodes[hub].revolution_axis());
-        let Some((blades, others)) = rows.split_first() else { return roles };
-        let blade = &nodes[blades[0]];
-        let is_row = |row: &&Vec<usize>| {
-            row.len() == blades.len()
-                && (blades.len() > 1 || others.len() == 1 && nodes[row[0]].may_be_splitter_of(blade, axis))
+        let (blades, splitters): (&[usize], &[usize]) = match rows.as_slice() {
+            [blades, splitters, ..] if blades.len() > 1 && splitters.len() == blades.len() => {
+                (blades, splitters)
+            }
+            [blade, other]
+                if blade.len() + other.len() == 2
+                    && nodes[other[0]].may_be_splitter_of(&nodes[blade[0]], axis) =>
+            {
+                (blade, other)
+            }
+            [blades, ..] => (blades, &[]),
+            [] => (&[], &[]),
         };
         blades.iter().for_each(|&k| roles[k] = Some(Role::Blade));
-        for &k in others.first().filter(is_row).into_iter().flatten() {
-            roles[k] = Some(Role::Splitter);
-        }
+        splitters.iter().for_each(|&k| roles[k] = Some(Role::Splitter));
     }
     roles
 }

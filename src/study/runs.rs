@@ -196,16 +196,16 @@ impl RunList {
             for ((value, line), _) in
                 axis.values.iter().zip(&axis.lines).zip(used).filter(|(_, used)| !**used)
             {
-                let read = self.file.text_with([(axis, value)].into_iter());
-                let read = read.and_then(|text| self.read_setup(&text, &Setup::default()));
+                // Errors of the path name it themselves.
+                let read = self.file.text_with([(axis, value)].into_iter()).and_then(|text| {
+                    self.read_setup(&text, &Setup::default()).map_err(|error| {
+                        let what = format!("`{}`: {}", axis.key, error.message);
+                        UserError::new(error.code, what, error.help)
+                    })
+                });
                 if let Err(error) = read {
-                    let key = format!("`{}`", axis.key);
-                    // Errors of the path begin with it.
-                    let what = match error.message.starts_with(&key) {
-                        true => error.message,
-                        false => format!("{key}: {}", error.message),
-                    };
-                    return Err(InputError::new(error.code, &self.file.name, *line, what, error.help));
+                    let UserError { code, message, help } = error;
+                    return Err(InputError::new(code, &self.file.name, *line, message, help));
                 }
             }
         }

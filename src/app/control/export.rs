@@ -9,7 +9,7 @@ use super::background::panic_problem;
 use super::replaced::check_replaced;
 use crate::app::App;
 use crate::app::model::figures::TimedPlan;
-use crate::app::model::file_purpose::Purpose;
+use crate::app::model::file_purpose::{Purpose, ending_of};
 use crate::app::model::look::{Arrangement, DEFAULT_MACHINE, Operation};
 use crate::app::model::planned::{DisplayPlan, Side};
 use crate::app::model::post_target::PostTarget;
@@ -24,10 +24,10 @@ use crate::app::views::command::Command;
 use crate::app::views::nc_dialog::{NcAnswer, NcQuestion, TargetChoice};
 use crate::app::views::picture_dialog::ExportSettings;
 use crate::app::views::release::{self, Recalculation, ReleaseAnswer, ReleaseWords, Renewal};
-use crate::io::nc::Dialect;
 use crate::io::shop_tools::{fusion_remarks, is_fusion_library};
 use crate::job::flank::FlankOutcome;
 use crate::job::worker::Outcome;
+use crate::report::sheet::ProgramFile;
 use crate::setup::Setup;
 use crate::verify::Fault;
 
@@ -167,21 +167,23 @@ impl App {
         match purpose {
             Purpose::ExportCl { channels } | Purpose::ExportFlank { channels } => channels,
             Purpose::ExportNc { .. } => self.nc_dialog.question().map_or(1, |question| question.channels),
-            Purpose::ExportSheet { operation } => self.channels_of_sheet(operation),
+            Purpose::ExportSheet { operation } => self.exported_programs(operation).0,
             _ => 1,
         }
     }
 
-    /// Number of channels of the setup sheet of `operation`: that of the programs exported last.
-    fn channels_of_sheet(&self, operation: Operation) -> usize {
+    /// What the setup sheet of `operation` is for: the number of channels of the program that was exported
+    /// last of its plan, and the files with that number.
+    fn exported_programs(&self, operation: Operation) -> (usize, Vec<ProgramFile>) {
         let Results { exported, flank, .. } = &self.state.results;
-        match operation {
-            Operation::Flank => flank.as_ref().map_or(1, |outcome| exported.of_flank(outcome).0),
+        let found = match operation {
+            Operation::Flank => flank.as_ref().map(|outcome| exported.of_flank(outcome)),
             Operation::Roughing | Operation::Program => {
                 let shown = self.state.last_whole_plan(self.state.look.side);
-                shown.map_or(1, |shown| exported.of_plunges(shown.planned, shown.policy).0)
+                shown.map(|shown| exported.of_plunges(shown.planned, shown.policy))
             }
-        }
+        };
+        found.unwrap_or((1, Vec::new()))
     }
 
     /// Asks about a program that has faults as it would be written.
@@ -340,6 +342,21 @@ impl App {
         Some(FlankSource { outcome, channels, order, judged, on_faults })
     }
 
+    /// The plan of `operation` as a program of that number of channels.
+    fn program_source(
+        &self,
+        operation: Operation,
+        channels: usize,
+        on_faults: OnFaults,
+    ) -> Option<ProgramSource> {
+        match operation {
+            Operation::Flank => self.flank_source(channels, on_faults).map(ProgramSource::Flank),
+            Operation::Roughing | Operation::Program => {
+                self.shown_plunges(channels, on_faults).map(ProgramSource::Plunges)
+            }
+        }
+    }
+
     /// Operations that have a plan to write.
     pub(in crate::app) fn planned_operations(&self) -> Vec<Operation> {
         let roughing = self.state.last_whole_plan(self.state.look.side).map(|_| Operation::Roughing);
@@ -377,19 +394,8 @@ impl App {
 
     /// Writes the setup sheet of the plan of `operation`, which names the programs that were written of it.
     pub(in crate::app) fn export_sheet(&mut self, operation: Operation, path: PathBuf, on_faults: OnFaults) {
-        let exported = &self.state.results.exported;
-        let (source, files) = match operation {
-            Operation::Flank => {
-                let Some(flank) = self.flank_source(1, on_faults) else { return };
-                let (channels, files) = exported.of_flank(&flank.outcome);
-                (ProgramSource::Flank(FlankSource { channels, ..flank }), files)
-            }
-            Operation::Roughing | Operation::Program => {
-                let Some(plunges) = self.shown_plunges(1, on_faults) else { return };
-                let (channels, files) = exported.of_plunges(&plunges.planned, plunges.policy);
-                (ProgramSource::Plunges(PlungeSource { channels, ..plunges }), files)
-            }
-        };
+        let (channels, files) = self.exported_programs(operation);
+        let Some(source) = self.program_source(operation, channels, on_faults) else { return };
         let remarks = faulty_values(&self.state).map(|words| format!("{words}.")).into_iter().collect();
         self.write(WriteTask::Sheet(path, SheetTask { source, files, remarks }));
     }
@@ -441,13 +447,9 @@ impl App {
                 let Some(question) = self.nc_dialog.question() else { return };
                 let (operation, dialect) = (question.operation, question.target.dialect);
                 let purpose = Purpose::ExportNc { operation, dialect };
-                let is_subprogram = question.target.is_subprogram;
-                let ending = match dialect {
-                    Dialect::Siemens if is_subprogram => "spf",
-                    _ => purpose.filter().1.first().copied().unwrap_or_default(),
-                };
+                let ending = ending_of(dialect, question.target.is_subprogram);
                 // Main program and subprogram are two files. Siemens takes no hyphens in their names.
-                let of_kind = if is_subprogram { "_subprogram" } else { "" };
+                let of_kind = if question.target.is_subprogram { "_subprogram" } else { "" };
                 let ending = format!("{of_kind}.{ending}");
                 let name = match operation {
                     Operation::Flank => self.suggest_flank_name(question.channels, &ending),
@@ -470,11 +472,7 @@ impl App {
     /// Writes the plan of `operation` as NC code for the machine that was chosen for it.
     pub(in crate::app) fn export_nc(&mut self, operation: Operation, path: PathBuf, on_faults: OnFaults) {
         let Some(question) = self.nc_dialog.question() else { return };
-        let source = match operation {
-            Operation::Flank => self.flank_source(question.channels, on_faults).map(ProgramSource::Flank),
-            _ => self.shown_plunges(question.channels, on_faults).map(ProgramSource::Plunges),
-        };
-        let Some(source) = source else { return };
+        let Some(source) = self.program_source(operation, question.channels, on_faults) else { return };
         let target = question.target.clone();
         // What is written is read back for the same machine.
         self.state.look.check_machine = Some(target.machine.clone());

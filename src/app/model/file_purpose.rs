@@ -228,6 +228,14 @@ fn endings_of(dialect: Dialect) -> &'static [&'static str] {
     }
 }
 
+/// The ending that is proposed for a program of a control.
+pub fn ending_of(dialect: Dialect, is_subprogram: bool) -> &'static str {
+    match dialect {
+        Dialect::Siemens if is_subprogram => "spf",
+        _ => endings_of(dialect).first().copied().unwrap_or_default(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -143,11 +143,12 @@ fn glossary(ui: &mut Ui, lines: &[GlossaryLine], words: &mut String, is_new: boo
             term.to_lowercase().contains(&sought) || meaning.to_lowercase().contains(&sought)
         }
     };
+    let found: Vec<&GlossaryLine> = lines.iter().filter(is_found).collect();
     page_area(ui, HelpPage::Glossary, is_new).show(ui, |ui| {
-        if !lines.iter().any(|line| is_found(&line)) {
+        if found.is_empty() {
             ui.label(RichText::new("No entry has these words").weak());
         }
-        for line in lines.iter().filter(is_found) {
+        for line in found {
             match line {
                 GlossaryLine::Heading(heading) => {
                     ui.add_space(6.0);

@@ -71,8 +71,8 @@ fn covered_key() -> Id {
     Id::unique("what problem messages cover")
 }
 
-/// The upper left `corner` of the texts below the switch of a `view`, moved down where the messages of the
-/// frame before would cover them and leave room for them in the upper part of the view.
+/// Where the texts below the switch of a `view` begin: at `corner`, or below the messages of the frame before
+/// if these would cover them and the texts then still fit into the upper part of the view.
 pub fn below_messages(ui: &Ui, view: Rect, corner: Pos2) -> Pos2 {
     let covered = ui.data(|data| data.get_temp::<Rect>(covered_key())).unwrap_or(Rect::NOTHING);
     let below = egui::pos2(corner.x, covered.bottom() + 4.0);
