@@ -364,15 +364,16 @@ impl eframe::App for App {
             // An open menu takes Escape first, then the window in front, then the tour.
             let keeps_escape =
                 egui::Popup::is_any_open(ctx) || self.escape_closes_window(ctx) || self.tour.is_open();
-            // What its keys cannot export is said.
-            let is_heard = |command| self.is_available(command) || self.why_not_exported(command).is_some();
             let can = |command: Command| match command {
                 Command::Cancel if keeps_escape => false,
                 Command::Deselect if keeps_escape || typing => false,
-                _ => is_heard(command),
+                _ => self.is_heard(command),
             };
             for command in Command::pressed(ctx, can) {
-                self.run_command(ctx, command);
+                // One before it may have ended what it needs.
+                if self.is_heard(command) {
+                    self.run_command(ctx, command);
+                }
                 // Other keys of the same frame are not meant for the window below the dialog that it has
                 // opened.
                 if self.is_asking() {

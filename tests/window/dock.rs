@@ -270,6 +270,21 @@ fn the_layout_is_there_after_a_restart_until_it_is_reset() {
     assert_eq!(places(&with_home(&home)), default, "the reset is kept, too");
 }
 
+/// Their place would leave the 3D view too low.
+#[test]
+fn plots_without_room_are_shown_in_a_window() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1000.0, 520.0));
+    window.run_steps(4);
+    assert!(window.query_by_label("Lead angle along the row").is_none());
+    toggle(&mut window, "Plots along the row");
+    assert!(floats(&window, DockPanel::Plots));
+    window.get_by_label("Lead angle along the row");
+    toggle(&mut window, "Plots along the row");
+    assert!(window.query_by_label("Lead angle along the row").is_none(), "hidden");
+}
+
 /// At the start there is no plan, and nothing to show in the tab; it is in front again when there is one.
 #[test]
 fn the_tab_in_front_is_there_after_a_restart() {

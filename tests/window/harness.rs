@@ -172,6 +172,21 @@ pub fn choose_in_list(window: &mut Window, list: &str, entry: &str) {
     window.run_steps(3);
 }
 
+/// Presses keys within one frame, as in a window that is drawn slowly.
+pub fn press_at_once(window: &mut Window, keys: impl IntoIterator<Item = egui::Key>) {
+    let events = keys.into_iter().flat_map(|key| {
+        [true, false].map(|pressed| egui::Event::Key {
+            key,
+            pressed,
+            modifiers: egui::Modifiers::NONE,
+            repeat: false,
+            physical_key: None,
+        })
+    });
+    window.input_mut().events.extend(events);
+    window.run_steps(3);
+}
+
 /// Clicks the enabled button with this label: the Cancel button of the status bar is disabled while nothing
 /// runs.
 pub fn click_enabled(window: &Window, label: &str) {

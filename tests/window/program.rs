@@ -24,7 +24,7 @@ use vanecut::verify::{Fault, FaultKind, verify};
 
 use crate::drop::drop_on;
 use crate::fake;
-use crate::harness::{HANG, Window, click_enabled, labels, pixels_in, settle, snapshot_view, with_sample};
+use crate::harness::{HANG, Window, choose_in_list, click_enabled, labels, pixels_in, settle, snapshot_view, with_sample};
 use crate::machine::{axes, choose, held_by_trunnion, with_machine};
 
 /// The first plunges of the plan as a program; the fourth goes 3 mm too deep.
@@ -486,6 +486,24 @@ fn nc_code_of_another_machine_is_a_problem_with_its_line() {
     settle(&mut window);
     let problem = window.state().state().problems.last().cloned().expect("a problem");
     assert!(problem.message.contains("plan.h:"), "{problem:?}");
+}
+
+#[test]
+fn a_program_that_was_not_read_is_checked_once_its_control_is_chosen() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    take_tools(&mut window, folder.path());
+    let nc = write(folder.path(), "plan.h", &nc_program(&window));
+    window.state_mut().look_mut().check_control = Some("fanuc".to_owned());
+    check(&mut window, &nc);
+    let problem = window.state().state().problems.last().cloned().expect("a problem");
+    assert!(problem.help.contains("a program for heidenhain"), "{problem:?}");
+    choose_in_list(&mut window, "NC control", "heidenhain");
+    settle(&mut window);
+    window.get_by_label_contains("Program: ");
+    assert!(window.state().state().results.checked.is_some());
+    assert!(window.state().state().problems.is_empty(), "{:?}", window.state().state().problems);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use vanecut::app::model::look::{Filter, TableColumn};
 use vanecut::app::model::planned::Side;
 
 use crate::fake;
-use crate::harness::{Window, press, settle, with_sample};
+use crate::harness::{Window, press, press_at_once, settle, with_sample};
 
 fn tip_on_screen(window: &Window) -> glam::Vec2 {
     let rect = window.get_by_label("3D view").rect();
@@ -66,6 +66,21 @@ fn up_and_down_follow_the_table_as_it_is_sorted_and_filtered() {
     window.key_press(egui::Key::ArrowUp);
     window.run_steps(2);
     assert_eq!(window.state().state().look.selected, Some(rows[rows.len() - 2]), "it ends at the end");
+}
+
+#[test]
+fn keys_that_are_pressed_within_one_frame_all_count() {
+    use egui::Key::{ArrowDown, ArrowUp};
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.state_mut().look_mut().selected = Some(0);
+    window.run_steps(2);
+    press_at_once(&mut window, [ArrowDown; 5]);
+    let fifth = window.state().state().rows()[5];
+    assert_eq!(window.state().state().look.selected, Some(fifth));
+    press_at_once(&mut window, [ArrowUp, ArrowUp, ArrowDown]);
+    let fourth = window.state().state().rows()[4];
+    assert_eq!(window.state().state().look.selected, Some(fourth));
 }
 
 #[test]

@@ -19,7 +19,7 @@ use vanecut::mesh::{LengthUnit, MeshOptions, TriangleMesh};
 use vanecut::part::{Impeller, PartDescription};
 
 use crate::fake;
-use crate::harness::{Window, click_enabled, settle, snapshot_view, window};
+use crate::harness::{Window, click_enabled, press_at_once, settle, snapshot_view, window};
 
 /// Writes a wheel with hub, shroud and six blades to a glTF file. `edit` changes its JSON document.
 pub fn wheel(folder: &Path, edit: impl FnOnce(&mut Value)) -> PathBuf {
@@ -174,10 +174,10 @@ fn the_keyboard_is_enough_to_tell_nodes_apart() {
     window.state_mut().open_path(path);
     settle(&mut window);
     // The first node is the hub, the second the shroud.
-    for key in [egui::Key::ArrowDown, egui::Key::H, egui::Key::ArrowDown, egui::Key::S, egui::Key::Enter] {
-        window.key_press(key);
-        window.run_steps(2);
-    }
+    use egui::Key;
+    press_at_once(&mut window, [Key::ArrowDown, Key::H, Key::ArrowDown, Key::S]);
+    window.key_press(Key::Enter);
+    window.run_steps(2);
     settle(&mut window);
     assert!(!is_asked(&window));
     window.get_by_label_contains(
@@ -188,6 +188,13 @@ fn the_keyboard_is_enough_to_tell_nodes_apart() {
     assert_eq!(role("node 0"), Some(vanecut::mesh::Role::Hub));
     assert_eq!(role("node 1"), Some(vanecut::mesh::Role::Shroud));
     assert_eq!(role("node 7"), Some(vanecut::mesh::Role::Blade), "guessed by its shape");
+    // What is left out is a note, and no problem.
+    let damaged = folder.path().join("damaged.toml");
+    std::fs::write(&damaged, "[").expect("written");
+    window.state_mut().open_path(damaged);
+    settle(&mut window);
+    assert_eq!(window.state().state().problems.len(), 2);
+    window.get_by_label("1 problem: see the message");
 }
 
 #[test]

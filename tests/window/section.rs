@@ -304,11 +304,40 @@ fn a_meridional_plane_contains_the_axis_and_turns_about_it() {
     assert_eq!((section.across, section.offset), (PlaneOrientation::Meridian, 12.0));
     snapshot_view(&mut window, "section_meridian");
     // Another orientation begins without offset.
-    window.get_by_role_and_label(Role::ComboBox, "Section plane").click();
-    window.run_steps(2);
-    window.get_by_label("Normal to X").click();
-    window.run_steps(3);
+    choose_in_list(&mut window, "Section plane", "Normal to X");
     assert_eq!(window.state().state().look.section.expect("a plane").offset, 0.0);
+}
+
+/// At Z 0 of the program, which is that of the part, the plane is at Z 0.
+#[test]
+fn the_offset_of_a_plane_across_an_axis_is_its_coordinate() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1280.0, 860.0));
+    window.key_press(egui::Key::X);
+    window.run_steps(3);
+    choose_in_list(&mut window, "Section plane", "Normal to Z");
+    let offset = |window: &Window| window.state().state().look.section.expect("a plane").offset;
+    let part = window.state().state().document.part.clone().expect("a part").impeller;
+    let height = |u: f64| part.hub.point(u).z as f32;
+    let first = offset(&window);
+    assert!((height(0.0).min(height(1.0))..height(0.0).max(height(1.0))).contains(&first), "{first}");
+    window.get_by_role_and_label(Role::Slider, "Section plane").set_value_accesskit(-20.0);
+    window.run_steps(3);
+    assert_eq!(offset(&window), -20.0);
+    snapshot_view(&mut window, "section_z");
+    // What is beyond its ends is not taken.
+    let field = window.get_by_role_and_label(Role::SpinButton, "Section plane").rect().center();
+    press(&mut window, field);
+    window.run_steps(3);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    window.run_steps(2);
+    window.input_mut().events.push(egui::Event::Text("5000".to_owned()));
+    window.run_steps(2);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    assert_eq!(offset(&window), -20.0);
+    window.get_by_label_contains("5000 is too much: at most ");
 }
 
 #[test]

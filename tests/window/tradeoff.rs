@@ -1,6 +1,7 @@
 //! Time against stock: the goal in the setup, and the curve whose handle sets it.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -107,7 +108,11 @@ fn rough() -> Engine {
 
 /// A window in which the curve of a sample is just being weighed.
 fn weighing() -> Window {
-    let mut window = window(rough());
+    weighing_with(rough())
+}
+
+fn weighing_with(engine: Engine) -> Window {
+    let mut window = window(engine);
     window.state_mut().open_part(PartSource::Sample("pump6".to_owned()));
     window.set_size(egui::vec2(1280.0, 900.0));
     settle(&mut window);
@@ -176,6 +181,21 @@ fn the_curve_has_progress_can_be_cancelled_and_is_kept() {
          limit is 0.01 mm"
     ));
     window.get_by_label("Roughing: goal cannot be met");
+}
+
+#[test]
+fn escape_cancels_the_search_in_the_window_in_front_and_nothing_else() {
+    let engine = Engine { flank: fake::engine().0.flank, ..rough() };
+    let (engine, held) = fake::with_held_flank(engine);
+    let mut window = weighing_with(engine);
+    window.key_press(egui::Key::F6);
+    window.run_steps(3);
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    window.get_by_label("Curve cancelled");
+    held.store(false, Ordering::SeqCst);
+    settle(&mut window);
+    assert!(window.state().state().results.flank.is_some(), "it goes on");
 }
 
 #[test]

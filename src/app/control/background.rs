@@ -177,6 +177,12 @@ impl App {
         self.work.cancel_judging();
     }
 
+    /// Cancels the search for the curve of time against stock, and nothing else.
+    pub(in crate::app) fn cancel_curve(&mut self) {
+        self.weighing.cancel();
+        self.state.report_done("Curve cancelled");
+    }
+
     /// Plans flank milling passes with the current setup.
     pub(in crate::app) fn plan_flank(&mut self) {
         let Some(part) = &self.state.document.part else { return };

@@ -48,14 +48,16 @@ impl App {
         self.work.checker.submit(request);
     }
 
-    /// Checks a program again that was checked against an older setup, if auto-update is on. As flank plans,
-    /// only once the mouse is released.
+    /// Checks a program again that was checked against an older setup, or that could not be read with another
+    /// control or machine, if auto-update is on. As flank plans, only once the mouse is released.
     pub(in crate::app) fn check_edits(&mut self, held: bool) {
         let follows = self.state.auto_update && !held && self.state.look.operation == Operation::Program;
-        if !(follows && self.state.program_is_stale()) {
+        let is_known = self.state.results.checked.is_some();
+        if !follows || is_known && !self.state.program_is_stale() {
             return;
         }
-        // While another program is being read, it is that one, and not the one that is still shown.
+        // While another program is being read, or was not read, it is that one, and not the one that is still
+        // shown.
         let now = self.check_of_last();
         let is_asked = self.work.asked_check.as_ref().zip(now.as_ref()).is_some_and(|(a, b)| a.is_same(b));
         if let Some(request) = now.filter(|_| !is_asked) {

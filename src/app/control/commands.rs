@@ -123,6 +123,11 @@ impl App {
         }
     }
 
+    /// Whether the keys of a command do something: what they cannot export is said.
+    pub(in crate::app) fn is_heard(&self, command: Command) -> bool {
+        self.is_available(command) || self.why_not_exported(command).is_some()
+    }
+
     /// Whether there is work to cancel.
     pub(in crate::app) fn can_cancel(&self) -> bool {
         self.work.can_cancel() || self.weighing.progress().is_some()
@@ -285,7 +290,7 @@ impl App {
                 let from = self.measure_start();
                 self.state.look.measure = Some(from.into_iter().collect());
             }
-            C::Plots => look.panels.toggle(DockPanel::Plots),
+            C::Plots => self.switch_panel(ctx, DockPanel::Plots),
             C::ResetLayout => look.panels.reset(),
             C::Hub => look.layers.hub ^= true,
             C::Blades => look.layers.blades ^= true,

@@ -21,12 +21,13 @@ impl App {
     /// front is cancelled first.
     pub(in crate::app) fn escape_closes_window(&mut self, ctx: &Context) -> bool {
         let Some(front) = dock::in_front(ctx, &self.state.look.panels) else { return false };
-        if front == DockPanel::Tradeoff && self.weighing.is_busy() {
-            return false;
-        }
         let typing = ctx.text_edit_focused();
         if !typing && ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape)) {
-            self.state.look.panels.close(front);
+            if front == DockPanel::Tradeoff && self.weighing.is_busy() {
+                self.cancel_curve();
+            } else {
+                self.state.look.panels.close(front);
+            }
         }
         true
     }

@@ -399,6 +399,32 @@ impl PlaneOrientation {
             Self::Z => "Normal to Z",
         }
     }
+
+    /// What stands before an offset that is a coordinate.
+    pub fn prefix(self) -> &'static str {
+        match self {
+            Self::Row | Self::Meridian => "",
+            Self::X => "X ",
+            Self::Y => "Y ",
+            Self::Z => "Z ",
+        }
+    }
+
+    /// What the offset counts from.
+    pub fn offset_tip(self) -> &'static str {
+        match self {
+            Self::Row => "Distance from the tip of the selected position, else of the middle one",
+            Self::Meridian => {
+                "Angle about the axis of rotation from the selected position, else the middle one"
+            }
+            Self::X | Self::Y | Self::Z => "Coordinate of the plane, from the zero of the part",
+        }
+    }
+
+    /// Offset of the plane in the middle of a part whose middle is at the height `z`, mm, degrees.
+    pub fn middle(self, z: f32) -> f32 {
+        if self == Self::Z { z } else { 0.0 }
+    }
 }
 
 /// A section plane of the 3D view.
@@ -406,7 +432,8 @@ impl PlaneOrientation {
 pub struct SectionPlaneLook {
     /// Orientation.
     pub across: PlaneOrientation,
-    /// Offset along the normal, mm; of a meridional plane about the axis of rotation, degrees.
+    /// Coordinate of a plane normal to an axis, mm; distance along the normal from the tip of a position, mm;
+    /// of a meridional plane the angle about the axis of rotation, degrees.
     pub offset: f32,
     /// Whether the other half is cut away.
     pub flipped: bool,

@@ -1,6 +1,8 @@
 //! Every command of the window: one list for menus, shortcuts, tooltips and the palette.
 
-use egui::{Context, Event, InputState, Key, KeyboardShortcut, Modifiers, Ui};
+use egui::{Context, Key, KeyboardShortcut, Modifiers, Ui};
+
+use super::list_keys::take_presses;
 
 const NONE: Modifiers = Modifiers::NONE;
 const SHIFT: Modifiers = Modifiers::SHIFT;
@@ -222,9 +224,9 @@ impl Command {
             && !matches!(shortcut.logical_key, Key::F1 | Key::F5 | Key::F6 | Key::F7 | Key::Escape)
     }
 
-    /// Commands whose keys were pressed in this frame. Keys that also type or move count only while no field
-    /// has the focus. Keys of commands that are not available now are not consumed: of two with the same keys
-    /// the first that is available has them.
+    /// Commands whose keys were pressed in this frame, in their order. Keys that also type or move count only
+    /// while no field has the focus. Keys of commands that are not available now are not consumed: of two with
+    /// the same keys the first that is available has them.
     pub fn pressed(ctx: &Context, can: impl Fn(Self) -> bool) -> Vec<Self> {
         // An open list or menu takes the arrows before any of its entries has the focus.
         let has_focus = ctx.memory(|memory| memory.focused().is_some());
@@ -235,8 +237,7 @@ impl Command {
         // Shortcuts with more modifiers first: egui also matches a shortcut when extra modifiers are held.
         let weight = |m: Modifiers| usize::from(m.shift) + usize::from(m.command) + usize::from(m.alt);
         order.sort_by_key(|(_, keys)| std::cmp::Reverse(weight(keys.modifiers)));
-        let mut pressed = Vec::new();
-        for (command, keys) in order {
+        let is_heard = |(command, keys): &(Self, KeyboardShortcut)| {
             let letter = !matches!(
                 keys.logical_key,
                 Key::ArrowUp
@@ -248,14 +249,12 @@ impl Command {
                     | Key::End
             );
             let kept = if letter { typing } else { taken };
-            if kept && Self::yields_to_focus(&keys) || !can(command) {
-                continue;
-            }
-            if ctx.input_mut(|input| is_meant(input, &keys) && input.consume_shortcut(&keys)) {
-                pressed.push(command);
-            }
-        }
-        pressed
+            !(kept && Self::yields_to_focus(keys)) && can(*command)
+        };
+        order.retain(is_heard);
+        take_presses(ctx, |key, modifiers| {
+            order.iter().find(|(_, keys)| is_meant(keys, key, modifiers)).map(|(command, _)| *command)
+        })
     }
 
     /// Tip followed by the shortcut.
@@ -294,16 +293,14 @@ impl Command {
     }
 }
 
-/// Whether the keys of a shortcut were pressed without more of Shift and Ctrl than it has, where its key is a
+/// Whether a pressed key is that of a shortcut, without more of Shift and Ctrl than this has, where it is a
 /// letter: another shortcut may have these. Signs need Shift on some keyboards.
-fn is_meant(input: &InputState, keys: &KeyboardShortcut) -> bool {
-    let KeyboardShortcut { logical_key, modifiers: wanted } = *keys;
+fn is_meant(shortcut: &KeyboardShortcut, key: Key, modifiers: Modifiers) -> bool {
+    let KeyboardShortcut { logical_key, modifiers: wanted } = *shortcut;
     let is_letter = logical_key.name().len() == 1 && (Key::A..=Key::Z).contains(&logical_key);
-    let is_exact = |event: &Event| {
-        let Event::Key { key, pressed: true, modifiers, .. } = event else { return false };
-        *key == logical_key && modifiers.matches_exact(wanted)
-    };
-    !is_letter || input.events.iter().any(is_exact)
+    let has_modifiers =
+        if is_letter { modifiers.matches_exact(wanted) } else { modifiers.matches_logically(wanted) };
+    key == logical_key && has_modifiers
 }
 
 #[cfg(test)]

@@ -1,6 +1,22 @@
-//! Arrow keys in lists.
+//! Keys that may be pressed more than once within a slow frame: all of them count, in their order.
 
-use egui::{EventFilter, Key, Modifiers, Response, Ui};
+use egui::{Context, Event, EventFilter, InputState, Key, Modifiers, Response, Ui};
+
+/// Takes those key presses that `meaning` knows out of the input, and returns what they mean in the order in
+/// which they came.
+pub fn take_presses<T>(ctx: &Context, mut meaning: impl FnMut(Key, Modifiers) -> Option<T>) -> Vec<T> {
+    let mut pressed = Vec::new();
+    ctx.input_mut(|input| {
+        input.events.retain(|event| {
+            let Event::Key { key, pressed: true, modifiers, .. } = event else { return true };
+            let known = meaning(*key, *modifiers);
+            let is_left = known.is_none();
+            pressed.extend(known);
+            is_left
+        });
+    });
+    pressed
+}
 
 /// Number of entries by which the arrow keys move the choice in a list, whose chosen entry or closed box is
 /// `shown`: 0 while that has not the focus, or where its open list takes the keys.
@@ -11,10 +27,13 @@ pub fn step(ui: &Ui, shown: &Response) -> isize {
     // Otherwise they would move the focus to another field.
     let filter = EventFilter { vertical_arrows: true, ..EventFilter::default() };
     ui.memory_mut(|memory| memory.set_focus_lock_filter(shown.id, filter));
-    ui.input_mut(|input| {
-        let mut presses = |key: Key| input.count_and_consume_key(Modifiers::NONE, key) as isize;
-        presses(Key::ArrowDown) - presses(Key::ArrowUp)
-    })
+    ui.input_mut(step_in)
+}
+
+/// Number of entries by which the arrow keys in `input` move a choice.
+pub fn step_in(input: &mut InputState) -> isize {
+    let mut presses = |key: Key| input.count_and_consume_key(Modifiers::NONE, key) as isize;
+    presses(Key::ArrowDown) - presses(Key::ArrowUp)
 }
 
 /// Index `step` after `now` in a list of `count` entries, which does not begin anew at its ends; `None` where

@@ -213,7 +213,7 @@ impl App {
                 let mut is_open = self.state.look.panels.is_open(panel);
                 let item = ui.checkbox(&mut is_open, panel.title()).on_hover_text(panel.tip());
                 if item.changed() {
-                    self.state.look.panels.toggle(panel);
+                    self.switch_panel(ui.ctx(), panel);
                 }
             }
         });

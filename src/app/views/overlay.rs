@@ -1,4 +1,4 @@
-//! Controls and texts over the 3D view: plan switch, layers, section plane, measurement.
+//! Controls and texts over the 3D view: plan switch, layers, measurement.
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Align2, Color32, ComboBox, FontId, Pos2, Rect, RichText, Stroke, Ui, Vec2};
@@ -9,9 +9,8 @@ use crate::gpu::scene::FloorColours;
 use crate::app::model::checked::{ProgramFinding, StaleCheck};
 use crate::app::model::cutter_colours::CutterColours;
 use crate::app::model::figures::{policy_label, policy_tip};
-use crate::app::model::look::{Arrangement, Layers, Look, Operation, PlaneOrientation};
+use crate::app::model::look::{Arrangement, Layers, Look, Operation};
 use crate::app::model::mouse_preset::MousePreset;
-use crate::app::model::number::Quantity;
 use crate::app::model::planned::Side;
 use crate::app::model::preview::PreviewCutters;
 use crate::app::model::solid::SolidColours;
@@ -322,7 +321,7 @@ pub fn switches(layers: &mut Layers) -> [(&mut bool, Command); 9] {
 }
 
 /// Size of the buttons of views.
-const VIEW_BUTTONS: Vec2 = egui::vec2(66.0, 54.0);
+pub(super) const VIEW_BUTTONS: Vec2 = egui::vec2(66.0, 54.0);
 
 /// Buttons of the most used views, in the lower right corner of the view.
 pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
@@ -340,83 +339,6 @@ pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
         }
     });
     chosen
-}
-
-/// Largest size of the controls of the section plane in two rows.
-const SECTION_BAR: Vec2 = egui::vec2(300.0, 58.0);
-/// Height of a third row.
-const SECTION_ROW: f32 = 24.0;
-
-/// Whether the controls of the section plane do not fit beside the buttons of views.
-fn is_narrow(rect: Rect) -> bool {
-    rect.width() < SECTION_BAR.x + VIEW_BUTTONS.x + 30.0
-}
-
-/// How far the controls of the section plane reach up from the lower edge of the view. In a narrow view they
-/// stand above its buttons, in one row more.
-pub fn section_bar_height(rect: Rect) -> f32 {
-    let raised = if is_narrow(rect) { VIEW_BUTTONS.y + 10.0 + SECTION_ROW } else { 0.0 };
-    SECTION_BAR.y + 10.0 + raised
-}
-
-/// The side that is cut away, and what closes the section; `true` when it was clicked.
-fn side_and_close(ui: &mut Ui, flipped: &mut bool) -> bool {
-    ui.checkbox(flipped, "Flip").on_hover_text("Cuts away the other half");
-    ui.small_button("Close").clicked()
-}
-
-/// Controls of the section plane: orientation, offset, side.
-pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
-    let units = look.units;
-    let Some(section) = &mut look.section else { return };
-    let narrow = is_narrow(rect);
-    let width = (rect.width() - 20.0).min(SECTION_BAR.x);
-    let corner = egui::pos2(rect.min.x + 10.0, rect.max.y - section_bar_height(rect));
-    let height = SECTION_BAR.y + if narrow { SECTION_ROW } else { 0.0 };
-    let at = Rect::from_min_size(corner, egui::vec2(width, height));
-    let mut close = false;
-    floating(ui, at, |ui| {
-        ui.set_width(width - 8.0);
-        let title = ui
-            .horizontal(|ui| {
-                let title = ui.label("Section plane");
-                ComboBox::from_id_salt("section plane")
-                    .width(96.0)
-                    .selected_text(section.across.label())
-                    .show_ui(ui, |ui| {
-                        for across in PlaneOrientation::ALL {
-                            if ui.selectable_value(&mut section.across, across, across.label()).changed() {
-                                section.offset = 0.0;
-                            }
-                        }
-                    })
-                    .response
-                    .labelled_by(title.id);
-                if !narrow {
-                    close = side_and_close(ui, &mut section.flipped);
-                }
-                title
-            })
-            .inner;
-        if narrow {
-            close = ui.horizontal(|ui| side_and_close(ui, &mut section.flipped)).inner;
-        }
-        ui.spacing_mut().slider_width = width - 90.0;
-        let slider = match section.across {
-            PlaneOrientation::Meridian => {
-                egui::Slider::new(&mut section.offset, -180.0..=180.0).suffix("°").max_decimals(1)
-            }
-            _ => egui::Slider::new(&mut section.offset, -reach..=reach)
-                .custom_formatter(move |offset, _| {
-                    format!("{} {}", units.short(offset, 1), units.length_unit())
-                })
-                .custom_parser(move |text| units.parse(text, Quantity::Length)),
-        };
-        ui.add(slider).labelled_by(title.id);
-    });
-    if close {
-        look.switch_section();
-    }
 }
 
 /// Points and distance of a measurement.

@@ -3,7 +3,7 @@
 use egui::{Align2, Key, Modal, RichText, TextEdit, Ui};
 
 use crate::app::views::command::Command;
-use crate::app::views::scroll_area;
+use crate::app::views::{list_keys, scroll_area};
 
 /// State of the command palette.
 #[derive(Debug, Default)]
@@ -34,13 +34,9 @@ impl Palette {
         let area = Modal::default_area(egui::Id::unique("palette")).anchor(Align2::CENTER_TOP, [0.0, 60.0]);
         let modal = Modal::new(egui::Id::unique("palette")).area(area).show(ui.ctx(), |ui| {
             ui.set_width(420.0);
-            let (up, down, enter) = ui.input_mut(|i| {
+            let (step, enter) = ui.input_mut(|i| {
                 let none = egui::Modifiers::NONE;
-                (
-                    i.consume_key(none, Key::ArrowUp),
-                    i.consume_key(none, Key::ArrowDown),
-                    i.consume_key(none, Key::Enter),
-                )
+                (list_keys::step_in(i), i.consume_key(none, Key::Enter))
             });
             let hint = "Search commands";
             let field =
@@ -55,12 +51,7 @@ impl Palette {
             let mut found = find_commands(&self.words);
             // Stable: the best matches come first among those that can be chosen.
             found.sort_by_key(|&command| !can(command));
-            if down {
-                self.chosen = (self.chosen + 1).min(found.len().saturating_sub(1));
-            }
-            if up {
-                self.chosen = self.chosen.saturating_sub(1);
-            }
+            self.chosen = list_keys::moved(self.chosen, step, found.len()).unwrap_or(self.chosen);
             if enter {
                 run = found.get(self.chosen).copied().filter(|&command| can(command));
             }
@@ -71,7 +62,7 @@ impl Palette {
             scroll_area(LIST).show(ui, |ui| {
                 for (k, &command) in found.iter().enumerate() {
                     let response = command_line(ui, command, k == self.chosen, can(command));
-                    if k == self.chosen && (up || down) {
+                    if k == self.chosen && step != 0 {
                         response.scroll_to_me(None);
                     }
                     if response.clicked() {

@@ -25,7 +25,7 @@ use crate::app::views::legend;
 use crate::app::views::overlay::{self, SwitchChoice};
 use crate::app::views::panels::part;
 use crate::app::views::picture::{Content, ShownFlank};
-use crate::app::views::section_plane::section_plane;
+use crate::app::views::section_plane::{section_bar, section_bar_height, section_plane};
 use crate::app::views::theme;
 use crate::app::views::view3d::{self, view_point};
 
@@ -293,7 +293,7 @@ impl App {
         }
         if self.state.look.layers.stock && self.state.solid_source(self.state.look.side).is_some() {
             let solid = self.solids[self.state.look.side].shown();
-            let bar = self.state.look.section.map_or(0.0, |_| overlay::section_bar_height(whole));
+            let bar = self.state.look.section.map_or(0.0, |_| section_bar_height(whole));
             legend::solid_legend(ui, whole, solid.map(|solid| &**solid), bar + 10.0);
         }
         match roughing.then(|| overlay::side_switch(ui, whole, &self.state.look)).flatten() {
@@ -316,9 +316,8 @@ impl App {
             self.run_command(ui.ctx(), command);
         }
         self.point_menu(panes, &camera);
-        let reach = camera.bounds.1;
         let across = self.state.look.section.map(|section| section.across);
-        overlay::section_bar(ui, whole, &mut self.state.look, reach);
+        section_bar(ui, whole, &mut self.state.look, camera.bounds);
         if self.state.look.section.is_some_and(|section| Some(section.across) != across) {
             self.turn_section_to_viewer();
         }

@@ -49,6 +49,8 @@ pub struct Dock {
     kept: HashMap<TileId, KeptSize>,
     /// Height of the content of [`DockPanel::Details`], points.
     details_height: f32,
+    /// Panels whose places below the 3D view are left to it, as it would be too low.
+    without_room: Vec<DockPanel>,
     /// Where a window appears that was just popped out.
     popped_out: Option<(DockPanel, Pos2)>,
     /// Where the windows of panels are, or were when they were closed.
@@ -72,6 +74,7 @@ impl Dock {
             tree,
             kept: HashMap::new(),
             details_height: FIRST_DETAILS,
+            without_room: Vec::new(),
             popped_out: None,
             windows: layout.windows.iter().copied().collect(),
             stored: layout.clone(),
@@ -250,6 +253,7 @@ impl App {
     fn make_room(&self, dock: &mut Dock, area: Rect) {
         let has_timeline = self.has_content(DockPanel::Timeline);
         let timeline = if has_timeline { panels::timeline::height(&self.state) } else { 0.0 };
+        dock.without_room.clear();
         if area.height() - timeline > MIN_HEIGHT_FOR_PLOTS {
             return;
         }
@@ -258,7 +262,18 @@ impl App {
             let is_below = dock.parent_of(panel) == picture;
             if let Some(tile) = dock.tree.tiles.find_pane(&panel).filter(|_| is_below) {
                 dock.tree.set_visible(tile, false);
+                dock.without_room.push(panel);
             }
+        }
+    }
+
+    /// Shows a panel, or hides it. One without room at its place is shown in a window of its own.
+    pub(in crate::app) fn switch_panel(&mut self, ctx: &Context, panel: DockPanel) {
+        let is_docked = !self.state.look.panels.state(panel).is_floating;
+        if is_docked && self.dock.without_room.contains(&panel) {
+            self.change_panel(ctx, panel, PanelRequest::PopOut);
+        } else {
+            self.state.look.panels.toggle(panel);
         }
     }
 

@@ -86,7 +86,7 @@ fn message(ui: &mut Ui, state: &AppState, activity: &Activity) {
         _ if activity.awaits_file => RichText::new(AWAITS_FILE).weak(),
         (Some(notice), _) => {
             let colour = Condition::Interfering.text(ui.visuals());
-            match (notice.tone, state.problems.len()) {
+            match (notice.tone, state.problems.iter().filter(|problem| !problem.is_note()).count()) {
                 (Tone::Done, _) => RichText::new(&notice.text),
                 (Tone::Refusal, _) => {
                     RichText::new(&notice.text).color(Condition::Blocked.text(ui.visuals()))

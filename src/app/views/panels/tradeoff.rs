@@ -32,7 +32,7 @@ impl App {
             None => CurveSearch::Idle,
         };
         match show(ui, &mut self.state, points.as_deref(), search) {
-            Some(CurveCommand::Cancel) => self.weighing.cancel(),
+            Some(CurveCommand::Cancel) => self.cancel_curve(),
             Some(CurveCommand::Restart) => self.weighing.restart(),
             Some(CurveCommand::Plan) => self.plan(),
             None => {}

@@ -15,6 +15,7 @@ use crate::app::model::part_source::PartSource;
 use crate::app::model::role_choices::{RoleChoices, hint_for_dialog};
 use crate::app::tasks::mesh_nodes::UnassignedRoles;
 use crate::app::tasks::open_task::OpenTask;
+use crate::app::views::list_keys::take_presses;
 use crate::app::views::modal::is_dismissed;
 use crate::app::views::pictures::Pictures;
 use crate::app::views::theme::{self, Condition};
@@ -162,22 +163,27 @@ impl RolesForm {
         if ui.memory(|memory| memory.focused().is_some()) || egui::Popup::is_any_open(ui.ctx()) {
             return false;
         }
-        let pressed = |key| ui.input_mut(|i| i.consume_key(Modifiers::NONE, key));
+        let role_of = |key| KEYS.iter().find(|(known, _)| *known == key).map(|(_, role)| *role);
+        let presses = take_presses(ui.ctx(), |key, modifiers| {
+            let is_known =
+                matches!(key, Key::ArrowDown | Key::ArrowUp | Key::Enter) || role_of(key).is_some();
+            (is_known && modifiers.matches_logically(Modifiers::NONE)).then_some(key)
+        });
         let (last, choices) = (self.unassigned.nodes.len() - 1, &mut self.choices);
-        for (key, role) in KEYS {
-            if pressed(key) {
-                choices.set_role(&self.unassigned.nodes, role);
-            }
+        for key in presses {
+            let next = match key {
+                Key::Enter => return true,
+                Key::ArrowDown => choices.selected.map_or(0, |k| (k + 1).min(last)),
+                Key::ArrowUp => choices.selected.map_or(last, |k| k.saturating_sub(1)),
+                _ => {
+                    let role = role_of(key);
+                    role.into_iter().for_each(|role| choices.set_role(&self.unassigned.nodes, role));
+                    continue;
+                }
+            };
+            (choices.selected, choices.scroll_to_selected) = (Some(next), true);
         }
-        let next = match (pressed(Key::ArrowDown), pressed(Key::ArrowUp)) {
-            (true, _) => Some(choices.selected.map_or(0, |k| (k + 1).min(last))),
-            (_, true) => Some(choices.selected.map_or(last, |k| k.saturating_sub(1))),
-            _ => None,
-        };
-        if next.is_some() {
-            (choices.selected, choices.scroll_to_selected) = (next, true);
-        }
-        pressed(Key::Enter)
+        false
     }
 }
 
