@@ -2,7 +2,7 @@
 
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 
 use vanecut::error::{ErrorCode, UserError};
@@ -26,6 +26,13 @@ fn request(policy: AxisPolicy) -> PlanRequest {
     let part = Arc::new(Impeller::build(&description()).expect("an impeller"));
     PlanRequest { part, setup: Setup::default(), policy, compare: false, field_cells: 128 }
 }
+
+/// The plan that is stopped here, made once to its end, with its request.
+static WHOLE: LazyLock<(PlanRequest, PlanOutcome)> = LazyLock::new(|| {
+    let request = request(AxisPolicy::Minimal);
+    let whole = run(&request, &Monitor::default()).expect("a plan");
+    (request, whole)
+});
 
 /// Plans, and makes an `end` of the job as soon as it reports a progress (0…1) of `share`: unlike a time,
 /// this hits the same stage on a machine of any load.
@@ -54,16 +61,16 @@ fn finished_part(plan: &PlungePlan) -> usize {
 
 #[test]
 fn a_stopped_plan_is_sound_and_says_that_it_is_not_finished() {
-    let request = request(AxisPolicy::Minimal);
-    let whole = run(&request, &Monitor::default()).expect("a plan");
+    let (request, whole) = &*WHOLE;
     assert!(!whole.after.plan.is_unfinished(), "it was not stopped");
     // A plan that was stopped is that of the search, before plunges are left out for the goal.
     let found = whole.whole.as_ref().unwrap_or(&whole.after.plan);
     let (mut unfinished, mut cut_short) = (0, 0);
+    // Each goes on from the sections that the one before has finished.
+    let job = PlanJob::default();
     // Sections are planned between 0.1 and 0.8.
     for share in [0.15, 0.3, 0.75] {
-        let job = PlanJob::default();
-        let outcome = match ended_at(share, &job, &request, Monitor::stop) {
+        let outcome = match ended_at(share, &job, request, Monitor::stop) {
             Ok(outcome) => outcome,
             // Stopped before anything was found.
             Err(error) => {
@@ -99,26 +106,25 @@ fn a_stopped_plan_is_sound_and_says_that_it_is_not_finished() {
         assert!(text.contains("\"cancelled\""), "the file says so");
         let stored = read_plan_bytes("plan.json", text.as_bytes()).expect("readable");
         assert!(stored.plan.is_unfinished(), "and keeps it");
-        // Unfinished sections are not cached.
-        if unfinished == 1 {
-            let again = job.run(&request, &Monitor::default()).expect("a plan");
-            assert_eq!(again.after.plan, whole.after.plan, "planned on to the same end");
-        }
     }
     assert!(unfinished > 1, "{unfinished} stopped plans");
+    // Unfinished sections are not cached.
+    let again = job.run(request, &Monitor::default()).expect("a plan");
+    assert_eq!(again.after.plan, whole.after.plan, "planned on to the same end");
     assert!(cut_short > 0, "no plan with a part of a section");
 }
 
 /// After the last section plunges are left out for the goal.
 #[test]
-#[ignore = "four whole plans, 9 s; scripts/nightly runs it"]
+#[ignore = "two whole plans; scripts/nightly runs it"]
 fn a_plan_that_a_late_stop_changes_says_that_it_is_not_finished() {
-    let request = request(AxisPolicy::Minimal);
-    let whole = run(&request, &Monitor::default()).expect("a plan");
+    let (request, whole) = &*WHOLE;
     assert!(whole.whole.is_some(), "plunges are left out");
     let mut unfinished = 0;
+    // Of a plan that was stopped the job keeps the sections alone: what follows them is done anew.
+    let job = PlanJob::default();
     for share in [0.8, 0.86, 0.92] {
-        let outcome = ended_at(share, &PlanJob::default(), &request, Monitor::stop).expect("a plan");
+        let outcome = ended_at(share, &job, request, Monitor::stop).expect("a plan");
         match outcome.after.plan.is_unfinished() {
             true => unfinished += 1,
             false => assert_eq!(outcome.after.plan, whole.after.plan, "stopped at {share}"),
