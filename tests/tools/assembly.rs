@@ -323,6 +323,7 @@ fn a_holder_is_in_the_way_of_an_edge_of_the_blank_anywhere_along_it() {
     let edges = blank.end_circles();
     let mut dice = super::sampled_tool::Dice::new(4);
     let mut beside_middle = 0;
+    let enough = 20;
     for k in 0..600 {
         // A point of an edge that some height of the holder comes near to, from the side.
         let at = edges[k % edges.len()].at_angle(dice.between(0.0, std::f64::consts::TAU));
@@ -332,6 +333,11 @@ fn a_holder_is_in_the_way_of_an_edge_of_the_blank_anywhere_along_it() {
         let share = dice.between(0.0, 1.0);
         let radius = 7.0 + 13.0 * share;
         let tip = at + aside * (radius + dice.between(0.2, 3.0)) - axis * (tool.overhang + 90.0 * share);
+        let is_found = around.first_obstacle(tool, &segments, (tip, axis), 1e-3).is_some();
+        // The points say what is to be found, and that enough of it is beside the middle.
+        if is_found && beside_middle > enough {
+            continue;
+        }
         let frustum = segments[0].placed(&tip, &axis);
         let (e1, e2) = (aside, axis.cross(&aside));
         let point = |i: u32, j: u32| {
@@ -345,10 +351,9 @@ fn a_holder_is_in_the_way_of_an_edge_of_the_blank_anywhere_along_it() {
         };
         let nearest = sampled(0, 180);
         if nearest < setup.clearances.holder - 0.02 {
-            let found = around.first_obstacle(tool, &segments, (tip, axis), 1e-3);
-            assert!(found.is_some(), "{k}: {nearest} mm beside {tip:.2?} {axis:.3?}");
+            assert!(is_found, "{k}: {nearest} mm beside {tip:.2?} {axis:.3?}");
             beside_middle += usize::from(sampled(0, 10).min(sampled(170, 180)) > 4.0);
         }
     }
-    assert!(beside_middle > 20, "{beside_middle}");
+    assert!(beside_middle > enough, "{beside_middle}");
 }
