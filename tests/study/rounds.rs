@@ -23,13 +23,14 @@ const VARIABLES: [&str; 9] = [
 ];
 
 impl Study {
-    /// Seven runs of a small wheel: one has inserts wider than the cutter's radius, conventional ones have
-    /// faults.
+    /// Seven runs of a small wheel with few plunges: one has inserts wider than the cutter's radius,
+    /// conventional ones have faults.
     fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         let part = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/pump6.toml");
         let text = format!(
-            "part = {:?}\n[[setup.tool]]\ndiameter = 16\noverhang = 80\n\
+            "part = {:?}\n[setup.plunge]\nstep = 12\nstepover = 14\nrest = false\n\
+             [[setup.tool]]\ndiameter = 16\noverhang = 80\n\
              [[axis]]\nkey = \"policy\"\nvalues = [\"conventional\", \"staircase\"]\n\
              [[axis]]\nkey = \"tool.1.insert_width\"\nvalues = [4, 6]\n\
              [[axis]]\nkey = \"tool.1.diameter\"\nvalues = [10, 16]\n\
