@@ -72,6 +72,9 @@ pub static PLUNGED: LazyLock<Planned> = LazyLock::new(|| {
     Planned { workpiece: setup.allowances.workpiece_of(part), setup, program: numbered(program) }
 });
 
+/// What `verify` reports of their program.
+pub static MEANT: LazyLock<PlungeReport> = LazyLock::new(|| PLUNGED.plunges(&PLUNGED.program));
+
 /// Deep layers with wide passes, which are soon planned, with tilts that all machines reach.
 static MILLED_PLAN: LazyLock<FlankOutcome> = LazyLock::new(|| {
     let part = pump6();
@@ -133,7 +136,7 @@ impl Planned {
         (nc, reading.program)
     }
 
-    pub fn plunges(&self, program: &ClProgram) -> PlungeReport {
+    fn plunges(&self, program: &ClProgram) -> PlungeReport {
         report_plunges(&self.workpiece, &self.setup, program, CELLS, &Monitor::default()).expect("judged")
     }
 
@@ -177,8 +180,8 @@ pub fn kinds_of(report: &PlungeReport) -> Vec<FaultKind> {
 #[test]
 fn figures_of_plunges_are_those_of_the_program() {
     let planned = &*PLUNGED;
-    let apt = planned.plunges(&planned.program);
-    assert!(kinds_of(&apt).contains(&FaultKind::HubAllowance), "{:?}", apt.verdict.faults);
+    let apt = &*MEANT;
+    assert!(kinds_of(apt).contains(&FaultKind::HubAllowance), "{:?}", apt.verdict.faults);
     assert_eq!(apt.summary.positions, COUNT);
     // Each output of each control on one of the machines in turn; `scripts/read-back` does all on all.
     let outputs = |(control, outputs): (&'static str, &'static [OutputKind])| {
@@ -189,7 +192,7 @@ fn figures_of_plunges_are_those_of_the_program() {
         let case = format!("{name} {control} {}", output.name());
         let (nc, program) = planned.posted(&machine, control, output);
         let read = planned.plunges(&program);
-        assert_eq!(kinds_of(&read), kinds_of(&apt), "{case}: {:?}", read.verdict.faults);
+        assert_eq!(kinds_of(&read), kinds_of(apt), "{case}: {:?}", read.verdict.faults);
         compare(&case, &figures_of(&apt.summary), &figures_of(&read.summary));
         assert_eq!(nc.positions, COUNT, "{case}");
         let (meant, read) = (&apt.summary, &read.summary);

@@ -6,7 +6,7 @@ use vanecut::machine::{MachineTool, OutputKind, PlacedPart, StepMotion, even_tur
 use vanecut::monitor::Monitor;
 use vanecut::verify::{PlungeReport, report_plunges};
 
-use super::figures::{CELLS, PLUNGED, figures_of, kinds_of};
+use super::figures::{CELLS, MEANT, PLUNGED, figures_of, kinds_of};
 use super::programs::{MACHINES, largest_difference, machine, moved, placed, plunges};
 
 /// By what a changed program is seen to be another one; `None` where nothing tells.
@@ -69,9 +69,8 @@ fn a_turn_or_a_retract_left_out_is_always_found() {
         ("bc-trunnion", "fanuc", OutputKind::Plane),
     ] {
         let machine = machine(name);
-        let meant = PLUNGED.plunges(&PLUNGED.program);
         let text = PLUNGED.posted(&machine, control, output).0.text;
-        assert_eq!(found_by(&machine, control, &text, &meant), None, "{name} {control}");
+        assert_eq!(found_by(&machine, control, &text, &MEANT), None, "{name} {control}");
         let lines: Vec<&str> = text.lines().collect();
         // Links in inverse time may have any number.
         let feed = PLUNGED.setup.tools[0].plunge_feed;
@@ -80,7 +79,7 @@ fn a_turn_or_a_retract_left_out_is_always_found() {
         let mut tried = [0; 2];
         // Before the first cut the axes stand as they should already when the tip is first held.
         for &cut in cuts.iter().skip(1).step_by(9) {
-            let found = |changed: Vec<&str>| found_by(&machine, control, &changed.join("\n"), &meant);
+            let found = |changed: Vec<&str>| found_by(&machine, control, &changed.join("\n"), &MEANT);
             let case = |what: &str| format!("{name} {control} {}: {what}: {}", output.name(), lines[cut]);
             // A line of its own for the cut where the turn ends before it.
             let before = (0..cut).rev().take_while(|k| !is_cut(k));

@@ -3,7 +3,7 @@
 use vanecut::io::nc::NcReading;
 use vanecut::machine::{MachineTool, MoveAngles, OutputKind, gauge_length};
 
-use super::figures::{PLUNGED, kinds_of};
+use super::figures::{MEANT, PLUNGED, kinds_of};
 use super::links::found_by;
 use super::programs::{MACHINES, OUTPUTS, machine, placed, plunges, posted, read_back};
 
@@ -166,7 +166,6 @@ fn the_way_down_begins_where_the_axes_stand() {
 /// the upper limit of Z.
 #[test]
 fn programs_retract_to_what_the_control_calls_the_upper_limit() {
-    let meant = PLUNGED.plunges(&PLUNGED.program);
     for (control, block) in [
         ("haas", "G53 G0 Z1400."),
         ("linuxcnc", "G53 G0 Z1400."),
@@ -177,11 +176,11 @@ fn programs_retract_to_what_the_control_calls_the_upper_limit() {
         machine.links.retract_z = 1400.0;
         let text = PLUNGED.posted(&machine, control, OutputKind::TcpAngles).0.text;
         assert!(text.contains(block), "{control}");
-        assert_eq!(found_by(&machine, control, &text, &meant), None, "{control}");
+        assert_eq!(found_by(&machine, control, &text, &MEANT), None, "{control}");
         let zero = block.replace("1400", "0");
         let place = text.rfind(block).unwrap();
         let lowered = changed(&text, place, block, &zero);
-        assert_eq!(found_by(&machine, control, &lowered, &meant), Some("faults"), "{control}");
+        assert_eq!(found_by(&machine, control, &lowered, &MEANT), Some("faults"), "{control}");
     }
 }
 
@@ -189,10 +188,9 @@ fn programs_retract_to_what_the_control_calls_the_upper_limit() {
 #[test]
 fn a_retract_into_the_part_is_found() {
     let machine = machine("ac-trunnion");
-    let meant = PLUNGED.plunges(&PLUNGED.program);
     let text = PLUNGED.posted(&machine, "haas", OutputKind::TcpAngles).0.text;
-    assert_eq!(found_by(&machine, "haas", &text, &meant), None, "{:?}", kinds_of(&meant));
+    assert_eq!(found_by(&machine, "haas", &text, &MEANT), None, "{:?}", kinds_of(&MEANT));
     let place = text.rfind("G53 G0 Z0.").unwrap();
     let text = changed(&text, place, "G53 G0 Z0.", "G53 G0 Z-1300.");
-    assert_eq!(found_by(&machine, "haas", &text, &meant), Some("faults"));
+    assert_eq!(found_by(&machine, "haas", &text, &MEANT), Some("faults"));
 }
