@@ -302,13 +302,16 @@ fn a_flank_file_reads_back_and_damage_is_reported() {
 #[ignore = "four whole flank plans, 9 s; scripts/nightly runs it"]
 fn only_stale_stages_are_planned_again_and_to_the_same_end() {
     let job = FlankJob::default();
-    let mut request = request("impeller9x9.toml", |setup| setup.flank.layer_depth = 20.0);
+    // Few passes.
+    let mut request = request("impeller9x9.toml", |setup| {
+        (setup.flank.layer_depth, setup.flank.scallop_height) = (20.0, 1.2);
+    });
     let first = job.run(&request, &Monitor::default()).expect("a plan");
     request.setup.flank.feed_mm_per_min = Some(900.0);
     let second = job.run(&request, &Monitor::default()).expect("a plan");
     assert!(Arc::ptr_eq(&first.plan.layout, &second.plan.layout), "curves do not depend on the feed");
     assert!(Arc::ptr_eq(&first.plan.walls, &second.plan.walls));
-    request.setup.flank.scallop_height = 1.0;
+    request.setup.flank.scallop_height = 1.8;
     let third = job.run(&request, &Monitor::default()).expect("a plan");
     assert!(!Arc::ptr_eq(&second.plan.layout, &third.plan.layout));
     assert!(Arc::ptr_eq(&second.plan.walls, &third.plan.walls), "walls do not depend on the error");
