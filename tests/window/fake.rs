@@ -345,6 +345,21 @@ pub fn with_changed_flank(
     Engine { flank: Arc::new(flank), ..engine }
 }
 
+/// The engine, whose flank plans have few passes, whatever the setup asks for: for tests of plans that no
+/// other test has.
+pub fn with_few_passes(engine: Engine) -> Engine {
+    let inner = Arc::clone(&engine.flank);
+    let flank = move |request: &FlankRequest, monitor: &Monitor| {
+        let mut coarse = request.clone();
+        (coarse.setup.flank.layer_depth, coarse.setup.flank.scallop_height) = (20.0, 1.0);
+        let mut outcome = inner(&coarse, monitor)?;
+        outcome.setup.flank.layer_depth = request.setup.flank.layer_depth;
+        outcome.setup.flank.scallop_height = request.setup.flank.scallop_height;
+        Ok(outcome)
+    };
+    Engine { flank: Arc::new(flank), ..engine }
+}
+
 /// The fake planner, whose tools have a shank and a holder.
 pub fn engine_with_holder() -> Engine {
     let (engine, _) = engine();

@@ -155,7 +155,7 @@ fn walls_that_are_not_milled_are_in_the_headline() {
 #[test]
 fn tools_of_the_plunges_are_not_taken_for_passes() {
     let (engine, _) = fake::engine();
-    let mut window = with_sample(engine);
+    let mut window = with_sample(fake::with_few_passes(engine));
     window.set_size(egui::vec2(1280.0, 1900.0));
     window.run_steps(3);
     window.get_by_label("Edit tools and sections").click();
@@ -191,7 +191,7 @@ fn tools_of_the_plunges_are_not_taken_for_passes() {
 #[test]
 fn a_flank_plan_is_out_of_date_on_another_machine() {
     let (engine, _) = fake::engine();
-    let mut window = with_sample(engine);
+    let mut window = with_sample(fake::with_few_passes(engine));
     plan_flank(&mut window, 10.0);
     window.get_by_label_contains("Roughing: ").click();
     window.run_steps(4);
