@@ -1,15 +1,20 @@
 //! Plunges edited by hand, with the real planner.
 
+use std::sync::Arc;
+
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::{Operation, Tab};
 use vanecut::app::model::part_source::PartSource;
 use vanecut::app::model::planned::Side;
+use vanecut::app::tasks::engine::Engine;
 use vanecut::io::project_file::read_project;
+use vanecut::job::{Listener, PlanRequest};
+use vanecut::monitor::Monitor;
 use vanecut::plunge::{Breach, Condition, PlungeMark, Position};
 
-use crate::fake::shared_engine;
+use crate::fake;
 use crate::harness::{Window, settle, snapshot_view, window, words};
 
 /// A setup with a small plan.
@@ -17,11 +22,22 @@ const SETUP: &str = "[[tool]]\nnumber = 1\ndiameter = 20\ninsert_width = 6\nover
                      [plunge]\naxis = \"staircase\"\nrest = false\n\
                      [[plunge.section]]\ntool = 1\nfrom = 1.0\nto = 0.55\n";
 
+/// The real planner; what is planned before the setup with its tool is opened is the fake one's.
+fn engine() -> Engine {
+    let (real, (fake, _)) = (fake::shared_engine(), fake::engine());
+    let (plan, plan_first) = (real.plan, fake.plan);
+    let planned = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        let plan = if request.setup.tools.is_empty() { &plan_first } else { &plan };
+        plan(request, monitor, listener)
+    };
+    Engine { plan: Arc::new(planned), ..Engine::default() }
+}
+
 /// A window with the small plan.
 fn planned(folder: &std::path::Path) -> Window {
     let path = folder.join("setup.toml");
     std::fs::write(&path, SETUP).expect("writes");
-    let mut window = window(shared_engine());
+    let mut window = window(engine());
     window.set_size(egui::vec2(1280.0, 800.0));
     window.state_mut().open_part(PartSource::Sample("pump6".to_owned()));
     settle(&mut window);
