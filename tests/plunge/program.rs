@@ -14,7 +14,7 @@ use vanecut::monitor::Monitor;
 use vanecut::part::{Blank, Impeller};
 use vanecut::setup::{AxisPolicy, Setup};
 use vanecut::toolpath::{ClProgram, Motion, Move};
-use vanecut::verify::{FaultKind, PlungeReport, report_plunges, verify};
+use vanecut::verify::{FaultKind, PlungeReport, PlungeVerdict, report_plunges, verify};
 
 use super::samples::{SAMPLES, sample, sample_path, sample_plans};
 
@@ -30,19 +30,25 @@ fn reported(outcome: &PlanOutcome, program: &ClProgram) -> PlungeReport {
         .expect("can be judged")
 }
 
+/// The verdict alone, without figures of the floor.
+fn judged(outcome: &PlanOutcome, program: &ClProgram) -> PlungeVerdict {
+    verify(&outcome.workpiece, &outcome.setup, program, &Monitor::default()).expect("can be judged")
+}
+
 #[test]
 fn programs_of_whole_wheels_have_no_fault() {
     for name in SAMPLES {
         let outcome = sample_plans(name);
         // Of the wheel with the most blades a part.
         let several = outcome.workpiece.part.blade_count.min(9);
-        let [one, all] = [1, several].map(|n| reported(outcome, &written(outcome, n)));
-        for (report, channels) in [(&one, 1), (&all, several)] {
-            let verdict = &report.verdict;
+        let (one, all) =
+            (reported(outcome, &written(outcome, 1)), judged(outcome, &written(outcome, several)));
+        for (verdict, channels) in [(&one.verdict, 1), (&all, several)] {
             assert!(verdict.faults.is_empty(), "{name}, {channels}: {:#?}", verdict.faults);
             assert_eq!(verdict.channels, channels, "{name}");
-            assert_eq!(report.summary.positions, channels * outcome.after.plan.positions.len(), "{name}");
+            assert_eq!(verdict.cuts.len(), channels * outcome.after.plan.positions.len(), "{name}");
         }
+        assert_eq!(one.summary.positions, one.verdict.cuts.len(), "{name}");
         // The summary of one channel's plan equals that of its program.
         let (plan, program) = (&outcome.after.summary, &one.summary);
         check_published(name, plan);
@@ -95,8 +101,7 @@ fn links_over_the_edge_of_a_boss_keep_the_safety_distance() {
         field_cells: 128,
     };
     let outcome = run(&request, &Monitor::default()).expect("a plan");
-    let verdict = verify(&outcome.workpiece, &outcome.setup, &written(&outcome, 1), &Monitor::default());
-    let verdict = verdict.expect("can be judged");
+    let verdict = judged(&outcome, &written(&outcome, 1));
     assert!(verdict.cuts.len() > 100 && verdict.faults.is_empty(), "{:#?}", verdict.faults);
 }
 
@@ -187,8 +192,7 @@ fn faults_after(mutate: impl FnOnce(&mut ClProgram)) -> Vec<(usize, FaultKind, O
     let (outcome, program) = &*SOUND;
     let mut program = program.clone();
     mutate(&mut program);
-    let verdict =
-        verify(&outcome.workpiece, &outcome.setup, &program, &Monitor::default()).expect("can be judged");
+    let verdict = judged(outcome, &program);
     verdict.faults.into_iter().map(|f| (f.line, f.kind, f.value)).collect()
 }
 
@@ -262,8 +266,7 @@ fn a_tool_that_only_makes_rapids_has_no_section() {
     let other = (0..program.tools.len()).find(|&tool| Some(tool) != first.tool).expect("rest milling");
     let idle = Move { tool: Some(other), ..first.clone() };
     program.moves.insert(0, idle);
-    let report = reported(outcome, &program);
-    assert_eq!(report.verdict.sections.len(), outcome.after.plan.sections.len());
+    assert_eq!(judged(outcome, &program).sections.len(), outcome.after.plan.sections.len());
 }
 
 /// Distance from the top of a blank and from the nose upstream of it by brute force, by dense polygons.
