@@ -140,15 +140,20 @@ fn command(arguments: &[&str]) -> (i32, Value, String) {
 #[test]
 fn plan_and_verify_say_the_same() {
     let folder = tempfile();
-    let part = sample_path("impeller532");
-    let part = part.to_str().unwrap();
-    for (axis, channels) in [("minimal", "3"), ("conventional", "1")] {
+    let [defaults, short] = ["defaults.toml", "short.toml"].map(|name| folder.join(name));
+    std::fs::write(&defaults, "").unwrap();
+    // `plan` makes the plans of all policies for each.
+    let section = "[[tool]]\nnumber = 3\ndiameter = 16\n[[plunge.section]]\ntool = 3\nfrom = 1.0\nto = 0.8\n";
+    std::fs::write(&short, section).unwrap();
+    for (axis, channels, name, setup) in
+        [("minimal", "3", "impeller532", &defaults), ("conventional", "1", "pump6", &short)]
+    {
         let out = folder.join(format!("{axis}{channels}"));
-        let apt = out.join("plunge.apt");
-        let (out, apt) = (out.to_str().unwrap(), apt.to_str().unwrap());
-        let (code, plan, text) =
-            command(&["plan", part, "--axis", axis, "--channels", channels, "-o", out, "--json"]);
-        let (judged, program, _) = command(&["verify", part, apt, "--json"]);
+        let (part, apt) = (sample_path(name), out.join("plunge.apt"));
+        let [part, setup, out, apt] = [&part, setup, &out, &apt].map(|path| path.to_str().unwrap());
+        let several = ["--axis", axis, "--channels", channels, "-o", out, "--json"];
+        let (code, plan, text) = command(&[&["plan", part, "--setup", setup], &several[..]].concat());
+        let (judged, program, _) = command(&["verify", part, apt, "--setup", setup, "--json"]);
         assert_eq!(code, judged, "{axis}, {channels}: {text}");
         let count = program["interferential"].as_u64().expect("a number");
         assert_eq!(code, i32::from(count > 0), "{axis}");
