@@ -16,6 +16,12 @@ use vanecut::verify::{FaultKind, verify};
 
 use super::samples::{SAMPLES, sample, sample_plans};
 
+/// The defaults with the tools and sections for `part`.
+fn resolved(part: &Impeller) -> Setup {
+    let setup = Setup::default();
+    resolve(&setup, &setup.allowances.workpiece_of(part.clone())).expect("fits").setup
+}
+
 fn planned(part: &Impeller, setup: &Setup, policy: AxisPolicy) -> (Setup, PlungePlan) {
     let workpiece = setup.allowances.workpiece_of(part.clone());
     let setup = resolve(setup, &workpiece).expect("the setup fits").setup;
@@ -244,9 +250,7 @@ fn paper_a_s_wheel_is_repaired_in_all_three_sections() {
 #[test]
 fn rows_may_be_cut_outwards_and_corners_rounded() {
     let part = sample("impeller532");
-    let mut setup = resolve(&Setup::default(), &Setup::default().allowances.workpiece_of(part.clone()))
-        .expect("fits")
-        .setup;
+    let mut setup = resolved(&part);
     for tool in &mut setup.tools {
         tool.corner_radius = 0.8;
     }
@@ -325,7 +329,7 @@ fn axes_that_were_found_are_carried_into_an_edited_setup_at_once() {
     let monitor = Monitor::default();
     for name in ["impeller9x9"] {
         let part = sample(name);
-        let (mut setup, _) = planned(&part, &Setup::default(), AxisPolicy::Conventional);
+        let mut setup = resolved(&part);
         let mut known = SectionCache::default();
         let workpiece = setup.allowances.workpiece_of(part.clone());
         let nothing = Planner::new(&workpiece, &setup).warm_start(AxisPolicy::Minimal, &known, &monitor);
@@ -371,7 +375,7 @@ fn axes_that_were_found_are_carried_into_an_edited_setup_at_once() {
 #[test]
 fn only_stale_sections_are_planned_again_and_the_plan_is_the_same() {
     let part = sample("impeller532");
-    let (mut setup, _) = planned(&part, &Setup::default(), AxisPolicy::Conventional);
+    let mut setup = resolved(&part);
     let sections = setup.plunge.sections.len();
     assert!(sections >= 2);
     let monitor = Monitor::default();
@@ -414,7 +418,7 @@ fn only_stale_sections_are_planned_again_and_the_plan_is_the_same() {
 #[ignore = "three plans, 8 s; scripts/nightly runs it"]
 fn a_plan_may_end_where_its_rows_starve() {
     let part = sample("impeller532");
-    let (mut setup, _) = planned(&part, &Setup::default(), AxisPolicy::Conventional);
+    let mut setup = resolved(&part);
     let rows = |tool, from, to| {
         let cut_direction = Some(CutDirection::OutletToInlet);
         SectionSetup { tool, from, to, cut_direction, kind: SectionKind::Rows }
