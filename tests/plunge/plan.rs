@@ -29,6 +29,13 @@ fn planned(part: &Impeller, setup: &Setup, policy: AxisPolicy) -> (Setup, Plunge
     (setup, plan)
 }
 
+/// The plan of a sample by `policy` with the defaults, with its setup.
+fn sample_plan(name: &str, policy: AxisPolicy) -> (&'static Setup, &'static PlungePlan) {
+    let outcome = sample_plans(name);
+    let result = outcome.policies().into_iter().find(|result| result.plan.policy == policy);
+    (&outcome.setup, &result.expect("all policies are planned").plan)
+}
+
 /// The maker of a row at `lambda`, cut from outlet to inlet.
 fn row_maker<'a>(
     part: &'a Impeller,
@@ -163,7 +170,7 @@ fn contact_agrees_with_many_points() {
     let blank = Blank::from_part(&part, 0.0);
     let top = BlankTop::new(&blank);
     for policy in [AxisPolicy::Conventional, AxisPolicy::Monotone] {
-        let (_, plan) = planned(&part, &Setup::default(), policy);
+        let (_, plan) = sample_plan("impeller532", policy);
         let columns: Columns = plan
             .positions
             .iter()
@@ -199,9 +206,8 @@ fn contact_agrees_with_many_points() {
 #[test]
 fn plans_hold_their_allowances_on_all_samples() {
     for name in SAMPLES {
-        let part = sample(name);
         for policy in [AxisPolicy::Conventional, AxisPolicy::Monotone] {
-            let (setup, plan) = planned(&part, &Setup::default(), policy);
+            let (setup, plan) = sample_plan(name, policy);
             assert!(plan.converged && !plan.positions.is_empty(), "{name} settles");
             for (k, p) in plan.positions.iter().enumerate() {
                 let stock = &setup.allowances;
@@ -230,20 +236,19 @@ fn plans_hold_their_allowances_on_all_samples() {
 
 #[test]
 fn paper_a_s_wheel_is_repaired_in_all_three_sections() {
-    let part = sample("impeller532");
     let count = |plan: &PlungePlan, section: usize| {
         plan.positions.iter().filter(|p| p.section == section && p.evaluation.contact.interferes()).count()
     };
-    let (setup, before) = planned(&part, &Setup::default(), AxisPolicy::Conventional);
-    let (_, after) = planned(&part, &Setup::default(), AxisPolicy::Monotone);
+    let (setup, before) = sample_plan("impeller532", AxisPolicy::Conventional);
+    let (_, after) = sample_plan("impeller532", AxisPolicy::Monotone);
     assert_eq!(
         setup.plunge.sections.iter().filter(|section| section.kind == SectionKind::Rows).count(),
         3,
         "three tools"
     );
     for section in 0..3 {
-        assert!(count(&before, section) > 0, "section {section} interferes before");
-        assert_eq!(count(&after, section), 0, "section {section} is free after");
+        assert!(count(before, section) > 0, "section {section} interferes before");
+        assert_eq!(count(after, section), 0, "section {section} is free after");
     }
 }
 
