@@ -6,7 +6,7 @@ use vanecut::io::stl::{read_part_bytes, write_stl};
 use vanecut::mesh::{MeshOptions, TriangleMesh};
 use vanecut::part::SideProbe;
 
-use crate::cad::{KJ66, alike, apart, built};
+use crate::cad::{KJ66_COARSE, alike, apart, built};
 
 /// Wheels of one solid, made by a script beside them: blunt cylindrical blades that lean, blades with plane
 /// sides, and those with root fillets of 1.2 mm.
@@ -47,9 +47,8 @@ fn wheels_of_one_solid_open_as_bare_triangles_where_their_surfaces_are() {
 /// Single triangles have no faces, and the blunt trailing edge is a narrow face of few of them.
 #[test]
 fn a_wheel_of_coarse_triangles_has_an_even_trailing_edge() {
-    let scene = read_scene_bytes("kj66.step", KJ66, Some(0.05)).expect("sound");
     let mut mesh = TriangleMesh::default();
-    scene.bodies.iter().for_each(|body| mesh.append(&body.mesh));
+    KJ66_COARSE.bodies.iter().for_each(|body| mesh.append(&body.mesh));
     let description = read_part_bytes("kj66.stl", &write_stl(&mesh.points, &mesh.triangles, "x"), &in_mm());
     let part = built(&description);
     let jump = |note: &String| note.split_once("jumps by ")?.1.split(' ').next()?.parse::<f64>().ok();
