@@ -1,5 +1,7 @@
 //! Made wheels, written in every format and read back: all in the nightly run, some in the default one.
 
+use std::cell::LazyCell;
+
 use vanecut::io::gltf::GltfScene;
 use vanecut::io::part_file::read_part_bytes;
 use vanecut::io::{step, stl};
@@ -43,7 +45,8 @@ fn comes_back(index: usize, formats: &[&str]) {
     let wheel = make::wheel(SEED, index);
     let part = open(&wheel);
     let size = 2.0 * part.rim_radius();
-    let shape = Tessellation::new(&part, &Fineness { chord_error: CHORD * size, ..Fineness::default() });
+    let fineness = Fineness { chord_error: CHORD * size, ..Fineness::default() };
+    let shape = LazyCell::new(|| Tessellation::new(&part, &fineness));
     for format in formats {
         let bytes = match *format {
             "stl" => {
