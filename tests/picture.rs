@@ -266,8 +266,8 @@ fn where_the_section_plane_cuts_material_it_hides_cutters_and_is_a_place_to_meas
             assert!(off.abs() < 0.05, "a point of the plane itself: {off} mm off");
             // Cutters that protrude from the plane may be picked, those behind it may not.
             let picked = studio.renderer.pick(&studio.gpu, &scene, &camera, &options, pixel, size);
-            let seen = scene.pick(&camera, &options, pixel, size).and_then(|pick| pick.position);
-            behind += usize::from(picked.expect("the device answers").is_some() && seen.is_none());
+            let seen = || scene.pick(&camera, &options, pixel, size).and_then(|pick| pick.position);
+            behind += usize::from(picked.expect("the device answers").is_some() && seen().is_none());
         }
     }
     assert!(cut > 100, "{cut} points on the cut");
