@@ -430,8 +430,8 @@ fn programs_after_others_are_judged_as_by_themselves() {
     let mut made = made(3);
     // The holder of a short cutter meets stock.
     made.tool.overhang = 25.0;
-    // The middle of each pass: walls first, then what lies between them.
-    let middle = |pass: &Vec<Place>| pass[pass.len() / 3..2 * pass.len() / 3].to_vec();
+    // A quarter of each pass: walls first, then what lies between them.
+    let middle = |pass: &Vec<Place>| pass[3 * pass.len() / 8..5 * pass.len() / 8].to_vec();
     let passes: Vec<Vec<Place>> = made.walls.iter().chain(&made.inner).map(middle).collect();
     // The first move of the pass between the walls that comes last in the first program, and of the one after
     // it.
