@@ -222,11 +222,13 @@ fn set_timeline(window: &mut Window, cut: usize) {
 #[test]
 fn the_solid_is_cut_in_the_shown_channels() {
     let mut window = with_sample(fake::engine().0);
+    show_channels(&mut window, 3.0);
+    let count = positions(&window).len();
+    // From the blank on, so that each plunge is cut once.
+    set_timeline(&mut window, 0);
     window.key_press(egui::Key::S);
     window.run_steps(3);
     settle(&mut window);
-    show_channels(&mut window, 3.0);
-    let count = positions(&window).len();
     let volumes = [0, count, 3 * count].map(|cut| {
         set_timeline(&mut window, cut);
         window.state().solid(Side::After).expect("a solid").volume
