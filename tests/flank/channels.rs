@@ -69,15 +69,20 @@ fn judged(outcome: &FlankOutcome, channels: usize) -> FlankProgram {
     outcome.program_for_channels(channels, &Monitor::default()).expect("judged")
 }
 
-/// All three in every order, with the program of so many channels: a whole wheel, and parts of wheels.
+/// Two tools in every order, and one tool in every order on one of two wheels, with the program of so many
+/// channels: a whole wheel, and parts of wheels.
 static IN_CHANNELS: LazyLock<Vec<(FlankOutcome, usize, FlankChannels)>> = LazyLock::new(|| {
-    let plans = [(&*PUMP, 6), (&*TURNED, 6), (&*WITH_SPLITTER, 4)];
-    let in_order = |(outcome, channels): (&FlankOutcome, usize), order| {
-        let outcome = ordered(outcome, order);
+    let plans: [(&FlankOutcome, usize, &[usize]); 3] =
+        [(&*PUMP, 6, &[1, 2]), (&*TURNED, 6, &[0, 1, 2, 3]), (&*WITH_SPLITTER, 4, &[0, 3])];
+    let in_order = |outcome: &FlankOutcome, channels: usize, order: usize| {
+        let outcome = ordered(outcome, EVERY_ORDER[order]);
         let program = in_channels(&outcome, channels);
         (outcome, channels, program)
     };
-    plans.iter().flat_map(|&plan| EVERY_ORDER.map(|order| in_order(plan, order))).collect()
+    let in_orders = |&(outcome, channels, orders): &(&FlankOutcome, usize, &[usize])| {
+        orders.iter().map(|&order| in_order(outcome, channels, order)).collect::<Vec<_>>()
+    };
+    plans.iter().flat_map(in_orders).collect()
 });
 
 /// `outcome` with another order of its channels.
