@@ -150,41 +150,38 @@ impl WheelPoints {
         setup: &Setup,
         pose: (Point, Vector),
     ) -> Option<(f64, String)> {
-        let top = profile.iter().map(|(segment, _)| segment[1]).fold(0.0, f64::max);
-        let widest = profile.iter().map(|(segment, _)| segment[2].max(segment[3])).fold(0.0, f64::max);
-        let bottom = profile.iter().map(|(segment, _)| segment[0]).fold(f64::INFINITY, f64::min);
         let clearance = |what: &str| match what {
             "shank" => setup.clearances.shank,
             "holder" => setup.clearances.holder,
             EDGE => corner - CUTTER_TOLERANCE,
             _ => -CUTTER_TOLERANCE,
         };
-        let most = setup.clearances.shank.max(setup.clearances.holder).max(corner);
+        // Height along the axis, and distance from it.
+        let place = |point: &Point| {
+            let d = point - pose.0;
+            let height = d.dot(&pose.1);
+            (height, (d.norm_squared() - height * height).max(0.0).sqrt())
+        };
         let mut worst: Option<(f64, String)> = None;
         let stock = &setup.allowances;
         for (points, allowance, of) in
             [(&self.hub, stock.hub_allowance, "hub"), (&self.blades, stock.blade_allowance, "blades")]
         {
-            let reach = most + allowance;
+            // Whether points within `size` of a place may be too near to a segment: by its height and width
+            // alone, as the distance takes far longer.
+            let may_lack =
+                |([from, to, lower, upper], what): &([f64; 4], &str), place: (f64, f64), size: f64| {
+                    let reach = clearance(what) + allowance - ROUNDING + size;
+                    place.0 > from - reach && place.0 < to + reach && place.1 < lower.max(*upper) + reach
+                };
             let is_near = |cluster: &&Cluster| {
-                let d = cluster.centre - pose.0;
-                let height = d.dot(&pose.1);
-                let off = (d.norm_squared() - height * height).max(0.0).sqrt();
-                let reach = reach + cluster.radius;
-                (bottom - reach..top + reach).contains(&height) && off < widest + reach
+                let place = place(&cluster.centre);
+                profile.iter().any(|segment| may_lack(segment, place, cluster.radius))
             };
             for point in points.iter().filter(is_near).flat_map(|cluster| &cluster.points) {
-                let d = point - pose.0;
-                let height = d.dot(&pose.1);
-                if height < bottom - reach || height > top + reach {
-                    continue;
-                }
-                let radius = (d.norm_squared() - height * height).max(0.0).sqrt();
-                if radius > widest + reach {
-                    continue;
-                }
-                for (segment, what) in profile {
-                    let short = clearance(what) + allowance - distance(*segment, height, radius);
+                let place = place(point);
+                for (segment, what) in profile.iter().filter(|segment| may_lack(segment, place, 0.0)) {
+                    let short = clearance(what) + allowance - distance(*segment, place.0, place.1);
                     if short > ROUNDING && worst.as_ref().is_none_or(|(most, _)| short > *most) {
                         worst = Some((short, format!("{what} {short:.3} mm too near to the {of}")));
                     }
