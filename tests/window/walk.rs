@@ -8,16 +8,16 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::state::Tone;
-use vanecut::app::tasks::engine::Engine;
 use vanecut::app::views::theme::Condition;
 use vanecut::io::apt::read_apt;
 
 use crate::drop::drop_on;
+use crate::fake::shared_engine;
 use crate::harness::{Window, settle, window, words};
 
 /// A window on a small screen, with its home folder.
 fn on_a_small_screen(home: &Path) -> Window {
-    let mut window = window(Engine::default());
+    let mut window = window(shared_engine());
     window.set_size(egui::vec2(1280.0, 800.0));
     window.state_mut().set_home(home.to_owned());
     window.run_steps(3);
