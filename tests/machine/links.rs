@@ -1,7 +1,7 @@
 //! Links with one thing changed: `verify` finds it, or the cuts that follow are not where they were.
 
 use vanecut::geometry::{Point, Vector};
-use vanecut::io::nc::{ReadContext, read_nc, read_post};
+use vanecut::io::nc::{NcReading, ReadContext, read_nc, read_post};
 use vanecut::machine::{MachineTool, OutputKind, PlacedPart, StepMotion, even_turn, gauge_length};
 use vanecut::monitor::Monitor;
 use vanecut::verify::{PlungeReport, report_plunges};
@@ -17,13 +17,10 @@ pub fn found_by(
     meant: &PlungeReport,
 ) -> Option<&'static str> {
     let planned = &*PLUNGED;
-    let placed = PlacedPart::from_placement(&machine.part, &planned.workpiece.part);
-    let context = ReadContext { machine, placed, tools: &planned.setup.tools };
-    let dialect = read_post(control).unwrap().dialect;
-    let Ok(reading) = read_nc("p.nc", text.as_bytes(), dialect, &context) else { return Some("reader") };
-    if !reading.overruns.is_empty() {
-        return Some("limits");
-    }
+    let reading = match read(machine, control, text) {
+        Ok(reading) => reading,
+        Err(by) => return Some(by),
+    };
     let monitor = Monitor::default();
     let read = report_plunges(&planned.workpiece, &planned.setup, &reading.program, CELLS, &monitor);
     let Ok(read) = read else { return Some("faults") };
@@ -35,8 +32,32 @@ pub fn found_by(
     if figures.next().is_some() {
         return Some("figures");
     }
-    let cuts = largest_difference(&planned.program, &reading);
-    cuts.map_or(true, |(tip, axis)| tip > 1e-3 || axis > 1e-4).then_some("cuts")
+    has_other_cuts(&reading).then_some("cuts")
+}
+
+/// Whether anything tells: where the cuts are is looked at before `verify` judges them, which takes longer.
+fn is_found(machine: &MachineTool, control: &str, text: &str) -> bool {
+    let is_like_planned = |reading: NcReading| !has_other_cuts(&reading);
+    !read(machine, control, text).is_ok_and(is_like_planned)
+        || found_by(machine, control, text, &MEANT).is_some()
+}
+
+/// The program as it is read, or by what it is refused.
+fn read(machine: &MachineTool, control: &str, text: &str) -> Result<NcReading, &'static str> {
+    let placed = PlacedPart::from_placement(&machine.part, &PLUNGED.workpiece.part);
+    let context = ReadContext { machine, placed, tools: &PLUNGED.setup.tools };
+    let dialect = read_post(control).unwrap().dialect;
+    match read_nc("p.nc", text.as_bytes(), dialect, &context) {
+        Ok(reading) if reading.overruns.is_empty() => Ok(reading),
+        Ok(_) => Err("limits"),
+        Err(_) => Err("reader"),
+    }
+}
+
+/// Whether the cuts are not where they are planned.
+fn has_other_cuts(reading: &NcReading) -> bool {
+    let cuts = largest_difference(&PLUNGED.program, reading);
+    cuts.map_or(true, |(tip, axis)| tip > 1e-3 || axis > 1e-4)
 }
 
 /// The feed rate of a line.
@@ -79,7 +100,6 @@ fn a_turn_or_a_retract_left_out_is_always_found() {
         let mut tried = [0; 2];
         // Before the first cut the axes stand as they should already when the tip is first held.
         for &cut in cuts.iter().skip(1).step_by(9) {
-            let found = |changed: Vec<&str>| found_by(&machine, control, &changed.join("\n"), &MEANT);
             let case = |what: &str| format!("{name} {control} {}: {what}: {}", output.name(), lines[cut]);
             // A line of its own for the cut where the turn ends before it.
             let before = (0..cut).rev().take_while(|k| !is_cut(k));
@@ -87,12 +107,13 @@ fn a_turn_or_a_retract_left_out_is_always_found() {
             if let Some((place, without)) = turn {
                 let mut changed = lines.clone();
                 changed[place] = &without;
-                assert!(found(changed).is_some(), "{}", case(&format!("turn of {}", lines[place])));
+                let is_found = is_found(&machine, control, &changed.join("\n"));
+                assert!(is_found, "{}", case(&format!("turn of {}", lines[place])));
                 tried[0] += 1;
             }
             let mut changed = lines.clone();
             let retract = changed.remove(cut + 1);
-            let by = found(changed);
+            let by = found_by(&machine, control, &changed.join("\n"), &MEANT);
             assert!(matches!(by, Some("faults" | "figures")), "{} by {by:?}", case(&format!("no {retract}")));
             tried[1] += 1;
         }
