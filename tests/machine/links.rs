@@ -4,9 +4,9 @@ use vanecut::geometry::{Point, Vector};
 use vanecut::io::nc::{NcReading, ReadContext, read_nc, read_post};
 use vanecut::machine::{MachineTool, OutputKind, PlacedPart, StepMotion, even_turn, gauge_length};
 use vanecut::monitor::Monitor;
-use vanecut::verify::{PlungeReport, report_plunges};
+use vanecut::verify::{PlungeReport, PlungeVerdict, report_plunges, verify};
 
-use super::figures::{CELLS, MEANT, PLUNGED, figures_of, kinds_of};
+use super::figures::{CELLS, MEANT, PLUNGED, figures_of};
 use super::programs::{MACHINES, largest_difference, machine, moved, placed, plunges};
 
 /// By what a changed program is seen to be another one; `None` where nothing tells.
@@ -21,12 +21,15 @@ pub fn found_by(
         Ok(reading) => reading,
         Err(by) => return Some(by),
     };
-    let monitor = Monitor::default();
-    let read = report_plunges(&planned.workpiece, &planned.setup, &reading.program, CELLS, &monitor);
-    let Ok(read) = read else { return Some("faults") };
-    if kinds_of(meant) != kinds_of(&read) {
+    let (workpiece, setup, monitor) = (&planned.workpiece, &planned.setup, Monitor::default());
+    let kinds = |verdict: &PlungeVerdict| verdict.faults.iter().map(|fault| fault.kind).collect::<Vec<_>>();
+    // The floor is measured where the faults tell nothing.
+    let verdict = verify(workpiece, setup, &reading.program, &monitor);
+    if verdict.is_ok_and(|verdict| kinds(&verdict) != kinds(&meant.verdict)) {
         return Some("faults");
     }
+    let read = report_plunges(workpiece, setup, &reading.program, CELLS, &monitor);
+    let Ok(read) = read else { return Some("faults") };
     let figures = figures_of(&meant.summary).into_iter().zip(figures_of(&read.summary));
     let mut figures = figures.filter(|((_, meant, limit), (_, read, _))| (meant - read).abs() > *limit);
     if figures.next().is_some() {
