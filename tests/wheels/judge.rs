@@ -8,7 +8,7 @@ use vanecut::part::Impeller;
 use vanecut::plunge::channels::count_tool_loads;
 use vanecut::setup::{AxisPolicy, ChannelOrder, ChannelSequence, ChannelSetup, FlankStrategy, Setup, Tool};
 use vanecut::toolpath::ClProgram;
-use vanecut::verify::{report_plunges, verify_flank};
+use vanecut::verify::{JudgedCut, report_plunges, verify, verify_flank};
 
 use super::sampled_tool::{Dice, WheelPoints, collisions, with_random_assembly};
 
@@ -132,19 +132,17 @@ fn judge(part: &Impeller, outcome: &PlanOutcome, result: &PolicyResult, faults: 
         Ok(program) => program,
         Err(error) => return wrong(format!("its program is not readable: {error}")),
     };
-    let report =
-        match report_plunges(&outcome.workpiece, &outcome.setup, &program, CELLS, &Monitor::default()) {
-            Ok(report) => report,
-            Err(fault) => return wrong(format!("its program cannot be judged: {fault}")),
-        };
-    let verdict = &report.verdict;
+    let verdict = match verify(&outcome.workpiece, &outcome.setup, &program, &Monitor::default()) {
+        Ok(verdict) => verdict,
+        Err(fault) => return wrong(format!("its program cannot be judged: {fault}")),
+    };
     if verdict.channels != 1 {
         wrong(format!("its program is found to work in {} channels", verdict.channels));
     }
     if let (true, Some(fault)) = (is_free, verdict.faults.first()) {
         wrong(format!("{} faults, line {}: {fault}", verdict.faults.len(), fault.line));
     }
-    for ((name, planned), (_, verified)) in figures(summary).into_iter().zip(figures(&report.summary)) {
+    for ((name, planned), verified) in figures(summary).into_iter().zip(figures_of_cuts(&verdict.cuts)) {
         let same = (planned - verified).abs() <= SAME * planned.abs().max(1.0);
         if !(same || planned.is_nan() && verified.is_nan()) {
             wrong(format!("{name} is {planned} in the plan, {verified} in its program"));
@@ -161,6 +159,18 @@ fn figures(summary: &Summary) -> [(&'static str, f64); 5] {
         ("contact depth", summary.max_contact_depth),
         ("hub clearance", summary.min_hub_clearance),
         ("blade clearance", summary.min_blade_clearance),
+    ]
+}
+
+/// The same of the cuts of a program.
+fn figures_of_cuts(cuts: &[JudgedCut]) -> [f64; 5] {
+    let least = |of: fn(&JudgedCut) -> f64| cuts.iter().map(of).fold(f64::NAN, f64::min);
+    [
+        cuts.len() as f64,
+        cuts.iter().filter(|cut| cut.contact.interferes()).count() as f64,
+        cuts.iter().map(|cut| cut.contact.depth).fold(0.0, f64::max),
+        least(|cut| cut.hub_clearance),
+        least(|cut| cut.blade_clearance),
     ]
 }
 
