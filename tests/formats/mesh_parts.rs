@@ -74,13 +74,22 @@ fn through_glb(part: &Impeller) -> Impeller {
 fn off(a: &BladeSide, b: &Blade) -> f64 {
     let probes = [&b.suction, &b.pressure].map(|side| SideProbe::new(side, 0.0, 1.0));
     let mut worst: f64 = 0.0;
+    // The side of `b` that is likely the nearer one.
+    let mut near = 0;
     for i in 0..=300 {
         let x = f64::from(i) / 300.0;
         let u = if x < 0.5 { 0.2 * x } else { 0.1 + 1.8 * (x - 0.5) };
         for j in 0..=20 {
             let p = a.point(u, f64::from(j) / 20.0);
-            let distances = probes.each_ref().map(|probe| probe.nearest_to_point(&p).distance);
-            worst = worst.max(distances[0].min(distances[1]));
+            let distance = |side: usize| probes[side].nearest_to_point(&p).distance;
+            let to_near = distance(near);
+            // Whatever the other one says, this point is not the worst.
+            if to_near <= worst {
+                continue;
+            }
+            let to_other = distance(1 - near);
+            worst = worst.max(to_near.min(to_other));
+            near = if to_other < to_near { 1 - near } else { near };
         }
     }
     worst
