@@ -152,7 +152,8 @@ fn contact_by_points(column: &PlungeColumn, earlier: &[PlungeColumn], blank: &Bl
             let mut h = 0.0025;
             while h < column.top.min(120.0) {
                 let p = foot + column.cutter.axis * h;
-                let stock = blank.depth(Meridional::from_point(&p)) > 0.0
+                let stock = h > highest
+                    && blank.depth(Meridional::from_point(&p)) > 0.0
                     && !earlier.iter().any(|e| e.cutter.distance(&p) < 0.0);
                 if stock {
                     highest = highest.max(h);
