@@ -215,7 +215,8 @@ fn a_holder_passes_through_what_was_opened_and_no_more() {
     setup.allowances.blank = BlankShape::Turned;
     let rows =
         |tool: u32, kind: SectionKind| SectionSetup { tool, from: 1.0, to: 0.4, cut_direction: None, kind };
-    setup.plunge.sections = vec![rows(2, SectionKind::Rows)];
+    // At the outlet the blank stands highest above the hub.
+    setup.plunge.sections = vec![SectionSetup { to: 0.9, ..rows(2, SectionKind::Rows) }];
     let closed = tried_as_chosen(AxisPolicy::Monotone, setup.clone())
         .map(|outcome| outcome.after.plan.positions.len());
     assert!(
@@ -223,7 +224,7 @@ fn a_holder_passes_through_what_was_opened_and_no_more() {
         "the tool is shorter than the blank stands above the hub: {closed:?}"
     );
 
-    setup.plunge.sections.insert(0, rows(1, SectionKind::Opening));
+    setup.plunge.sections = vec![rows(1, SectionKind::Opening), rows(2, SectionKind::Rows)];
     let outcome = planned_as_chosen(setup);
     let plan = &outcome.after.plan;
     let [above, below] = kinds_of(plan);
