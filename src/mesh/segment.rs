@@ -10,13 +10,20 @@ use super::round::{SECTORS, is_round, radii, sectors_met};
 use super::surface::MeshSurface;
 use super::tip_border::begins_in_hub;
 use crate::error::ErrorCode;
+use crate::geometry::Vector;
 use crate::part::PartError;
 
 /// Share of the largest blade's area below which a piece is discarded as a fragment.
 const SCRAP: f64 = 0.05;
 
+/// Share of the largest piece's area above which a body of revolution beside the axis is another wheel's hub.
+const OTHER_WHEEL: f64 = 0.25;
+
 /// Share of its largest radius from which on a piece is looked at to tell a blade from a wheel.
 const OUTER: f64 = 0.8;
+
+/// Why blades alone are no wheel.
+const WITHOUT_HUB: &str = "none of its bodies goes around the axis, so that it has no hub";
 
 /// The surfaces of a segmented wheel.
 pub struct Segments {
@@ -42,11 +49,8 @@ fn goes_around(piece: &MeshSurface, share: f64) -> bool {
 ///
 /// # Errors
 /// Returns the number of bodies of revolution if there are more than two.
-fn segment_disconnected(wheel: &MeshSurface) -> Result<Option<Segments>, usize> {
-    let (mut round, mut blades) = (Vec::new(), Vec::new());
-    for surface in wheel.clone().into_pieces() {
-        if is_round(&surface) { round.push(surface) } else { blades.push(surface) }
-    }
+fn segment_disconnected(pieces: &[MeshSurface]) -> Result<Option<Segments>, usize> {
+    let (mut round, blades): (Vec<_>, Vec<_>) = pieces.iter().cloned().partition(is_round);
     // One piece beside the hub is a blade where it does not go around the axis, else a wheel of one piece.
     if blades.len() < 2 && blades.first().is_none_or(|blade| goes_around(blade, OUTER)) {
         return Ok(None);
@@ -61,10 +65,28 @@ fn segment_disconnected(wheel: &MeshSurface) -> Result<Option<Segments>, usize> 
     Ok(Some(Segments { hub, hub_ahead_mm: 0.0, shroud: round.next(), blades }))
 }
 
+fn area_of(piece: &MeshSurface) -> f64 {
+    (0..piece.triangles.len()).map(|t| piece.area(t)).sum()
+}
+
+/// Distance from Z of another wheel's hub among the pieces, mm: a large body of revolution about an axis of
+/// its own.
+fn wheel_beside(pieces: &[MeshSurface]) -> Option<f64> {
+    let largest = pieces.iter().map(area_of).fold(0.0, f64::max);
+    pieces.iter().filter(|piece| area_of(piece) > OTHER_WHEEL * largest && !goes_around(piece, 0.0)).find_map(
+        |piece| {
+            let weighted = (0..piece.triangles.len()).map(|t| piece.centre(t).coords * piece.area(t));
+            let centre = weighted.sum::<Vector>() / area_of(piece);
+            let about_own = piece.clone().transformed(|p| p - Vector::new(centre.x, centre.y, 0.0));
+            let is_other = sectors_met(&about_own, OUTER) == SECTORS && is_round(&about_own);
+            is_other.then(|| centre.xy().norm())
+        },
+    )
+}
+
 /// Which of several pieces are blades: neither fragments, nor bodies of revolution.
 fn blades_among(pieces: &[MeshSurface]) -> Vec<bool> {
-    let area = |piece: &MeshSurface| (0..piece.triangles.len()).map(|t| piece.area(t)).sum::<f64>();
-    let areas: Vec<f64> = pieces.iter().map(area).collect();
+    let areas: Vec<f64> = pieces.iter().map(area_of).collect();
     let largest = areas.iter().copied().fold(0.0, f64::max);
     pieces.iter().zip(areas).map(|(piece, area)| area > SCRAP * largest && !is_round(piece)).collect()
 }
@@ -80,12 +102,22 @@ fn are_apart(pieces: &[MeshSurface]) -> bool {
 /// Segments a wheel given as one mesh about Z into hub, blades and, where there is one, cover.
 ///
 /// # Errors
-/// Fails when no surface of revolution touches blades, when there are more than two disconnected bodies of
-/// revolution, or when the blades are connected with each other.
+/// Fails when another wheel stands beside the axis, when no surface of revolution touches blades, when there
+/// are more than two disconnected bodies of revolution, or when the blades are connected with each other.
 pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> Result<Segments, PartError> {
-    let by_smooth = segment_by(FaceShape::Smooth, wheel, exact, name);
+    let pieces = wheel.clone().into_pieces();
+    if let Some(distance) = wheel_beside(&pieces) {
+        return Err(PartError::new(
+            ErrorCode::MeshInOne,
+            0,
+            format!("the single mesh `{name}` holds a second wheel {distance:.1} mm beside the axis"),
+            "export one wheel alone",
+        ));
+    }
+    let by_smooth = segment_by(FaceShape::Smooth, (wheel, &pieces), exact, name);
     // A hub drawn in straight pieces may have corners under the blades.
-    by_smooth.or_else(|error| segment_by(FaceShape::Cornered, wheel, exact, name).map_err(|_| error))
+    by_smooth
+        .or_else(|error| segment_by(FaceShape::Cornered, (wheel, &pieces), exact, name).map_err(|_| error))
 }
 
 /// Error of a wheel with `count` bodies of revolution that are apart.
@@ -99,10 +131,10 @@ fn unclear_hub(count: usize) -> PartError {
     )
 }
 
-/// As [`segment_wheel`], with faces of revolution of one shape.
+/// As [`segment_wheel`], with faces of revolution of one shape, of a wheel in `pieces`.
 fn segment_by(
     shape: FaceShape,
-    wheel: &MeshSurface,
+    (wheel, pieces): (&MeshSurface, &[MeshSurface]),
     exact: &ExactNormals,
     name: &str,
 ) -> Result<Segments, PartError> {
@@ -115,7 +147,7 @@ fn segment_by(
              the file is not that of the wheel, give it with --rotation-axis",
         )
     };
-    match segment_disconnected(wheel) {
+    match segment_disconnected(pieces) {
         Ok(Some(segments)) => return Ok(segments),
         Ok(None) => {}
         Err(count) => return Err(unclear_hub(count)),
@@ -124,8 +156,10 @@ fn segment_by(
     let (hub, cover) = patches.hub_and_cover().map_err(unclear)?;
     let above = AboveFaces { patches: &patches, cover: cover.as_ref() };
     let on_hub = pieces_on(hub, &above);
-    let OnHub { hub, pieces, ahead_mm } =
-        on_hub.ok_or_else(|| unclear("the blades on its hub are connected with each other"))?;
+    let OnHub { hub, pieces, ahead_mm } = on_hub.ok_or_else(|| {
+        let has_hub = pieces.len() == 1 || pieces.iter().any(|piece| goes_around(piece, 0.0));
+        unclear(if has_hub { "the blades on its hub are connected with each other" } else { WITHOUT_HUB })
+    })?;
     let is_blade = blades_among(&pieces);
     let blades = pieces.into_iter().zip(is_blade).filter(|(_, is)| *is).map(|(blade, _)| blade).collect();
     let shroud = cover.as_ref().map(|cover| above.surface_of(cover));

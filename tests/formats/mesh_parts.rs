@@ -267,6 +267,24 @@ fn a_body_whose_blades_hang_together_is_refused_with_what_to_separate() {
     assert_eq!(error.code, ErrorCode::MeshInOne, "{error}");
 }
 
+/// The reason names what is missing, or too much.
+#[test]
+fn blades_alone_and_two_wheels_are_refused_with_what_they_are() {
+    let part = sample("pump6.toml");
+    let mut blades = TriangleMesh::default();
+    separate(&part).iter().filter(|m| m.name.starts_with("Blade")).for_each(|m| blades.append(&m.mesh));
+    let one = whole(&part, usize::MAX, |_, p| *p);
+    let mut two = one.clone();
+    let aside = Vector::new(1000.0, 0.0, 0.0);
+    two.append(&TriangleMesh { points: one.points.iter().map(|p| p + aside).collect(), ..one });
+    for (mesh, why) in [(blades, "no hub"), (two, "a second wheel 1000.0 mm beside the axis")] {
+        let meshes = vec![named("Solid1".into(), 0, mesh)];
+        let error = describe("back", meshes, LengthUnit::Millimetre, &MeshOptions::default()).unwrap_err();
+        assert_eq!(error.code, ErrorCode::MeshInOne, "{error}");
+        assert!(error.message.contains(why), "{error}");
+    }
+}
+
 #[test]
 fn one_blade_is_enough_with_the_number_of_blades_and_needs_no_shroud() {
     let part = sample("impeller9x9.toml");
