@@ -15,7 +15,7 @@ use vanecut::monitor::Monitor;
 use vanecut::plunge::{Breach, Condition, PlungeMark, Position};
 
 use crate::fake;
-use crate::harness::{Window, settle, snapshot_view, window, words};
+use crate::harness::{Window, settle, snapshot_view, window, with_sample, words};
 
 /// A setup with a small plan.
 const SETUP: &str = "[[tool]]\nnumber = 1\ndiameter = 20\ninsert_width = 6\noverhang = 90\n\
@@ -61,6 +61,15 @@ fn select(window: &mut Window, number: usize) {
     window.run_steps(3);
     window.key_press(egui::Key::E);
     window.run_steps(3);
+}
+
+/// From there on, Tab and the arrows lead through the tab.
+#[test]
+fn the_key_for_edits_gives_the_keys_to_their_tab() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    select(&mut window, 3);
+    assert!(window.get_by_role_and_label(Role::RadioButton, "Plunge").accesskit_node().is_focused());
 }
 
 /// Clicks a button of the tab and waits for the plan that follows.

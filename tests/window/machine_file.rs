@@ -64,12 +64,15 @@ fn a_machine_file_is_opened_from_the_list_and_undone() {
     assert!((machine.max_axis_tilt_rad.to_degrees() - 80.0).abs() < 0.01, "the planner keeps to its reach");
     let on_machine = window.state().state().on_machine().cloned().expect("on the machine");
     assert_eq!(on_machine.machine, read_machine(&path).expect("reads"), "the timeline runs on it");
+    let resets = |window: &Window| window.query_by_label("Reset max machine tilt").is_some();
+    assert!(!resets(&window), "it is the default on this machine");
     undo(&mut window);
     assert_eq!(shown(&window).as_deref(), Some("None"));
     assert_eq!(window.state().state().document.edited.setup.machine.file, None);
     // It stays in the list, as others do.
     choose_in_list(&mut window, "Machine", "bc-trunnion");
     settle(&mut window);
+    assert!(!resets(&window));
     choose_in_list(&mut window, "Machine", "own.toml (Mill 5)");
     settle(&mut window);
     assert_eq!(window.state().state().document.edited.setup.machine, machine);

@@ -24,7 +24,9 @@ use vanecut::verify::{Fault, FaultKind, verify};
 
 use crate::drop::drop_on;
 use crate::fake;
-use crate::harness::{HANG, Window, choose_in_list, click_enabled, labels, pixels_in, settle, snapshot_view, with_sample};
+use crate::harness::{
+    HANG, Window, choose_in_list, click_enabled, labels, pixels_in, settle, snapshot_view, with_sample,
+};
 use crate::machine::{axes, choose, held_by_trunnion, with_machine};
 
 /// The first plunges of the plan as a program; the fourth goes 3 mm too deep.
@@ -504,6 +506,45 @@ fn a_program_that_was_not_read_is_checked_once_its_control_is_chosen() {
     window.get_by_label_contains("Program: ");
     assert!(window.state().state().results.checked.is_some());
     assert!(window.state().state().problems.is_empty(), "{:?}", window.state().state().problems);
+}
+
+/// As long as the message about another program stands, that one is meant.
+#[test]
+fn the_shown_program_is_checked_again_after_one_that_was_not_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, _) = with_checked_program(folder.path());
+    let bad = write(folder.path(), "bad.apt", "PARTNO BAD\nGOTO/1,2\nEND\nFINI\n");
+    let problems = |window: &Window| window.state().state().problems.len();
+    check(&mut window, &bad);
+    assert_eq!(problems(&window), 1);
+    window.get_by_label("Dismiss").click();
+    window.run_steps(3);
+    window.key_press(egui::Key::F7);
+    window.run_steps(2);
+    settle(&mut window);
+    assert_eq!(problems(&window), 0, "{:?}", window.state().state().problems);
+    let checked = window.state().state().results.checked.clone().expect("checked");
+    assert_eq!(checked.request.path, folder.path().join("deep.apt"));
+}
+
+#[test]
+fn nc_code_of_an_own_post_is_read_with_that_post() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    take_tools(&mut window, folder.path());
+    let nc = write(folder.path(), "plan.h", &nc_program(&window));
+    let post = include_str!("../../assets/posts/heidenhain.toml");
+    let post = write(folder.path(), "own.toml", post);
+    window.state_mut().look_mut().check_control = Some("fanuc".to_owned());
+    check(&mut window, &nc);
+    assert!(window.state().state().results.checked.is_none());
+    window.get_by_role_and_label(Role::Button, "Post file…");
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::OpenPostOfCheck, post);
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(window.state().state().results.checked.is_some(), "{:?}", window.state().state().problems);
 }
 
 #[test]

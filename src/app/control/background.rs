@@ -439,6 +439,9 @@ impl App {
             }
             Purpose::ExportNc { operation, .. } => self.export_nc(operation, path, on_faults),
             Purpose::OpenPost => self.take_post(&path),
+            Purpose::OpenPostOfCheck => {
+                self.state.look.check_control = Some(path.to_string_lossy().into_owned());
+            }
             Purpose::ExportSheet { operation } => self.export_sheet(operation, path, on_faults),
             Purpose::SaveAssessment => {
                 if let Some(assessed) = self.assessing.known(&self.state) {

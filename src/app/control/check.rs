@@ -35,10 +35,13 @@ impl App {
         }
     }
 
-    /// The check of the program that was asked for last, whether it was read or not; else of the one that is
-    /// shown.
+    /// The check of the program that was asked for last; of the one that is shown, where that one was not
+    /// read and the message about it is dismissed.
     fn check_of_last(&self) -> Option<CheckRequest> {
-        let path = self.work.asked_check.as_ref().map(|asked| asked.path.clone());
+        let is_refused = || self.state.problems.iter().any(|problem| problem.topic == Topic::Program);
+        let is_meant = self.work.checker.is_busy() || self.state.results.checked.is_none() || is_refused();
+        let asked = self.work.asked_check.as_ref().filter(|_| is_meant);
+        let path = asked.map(|asked| asked.path.clone());
         path.and_then(|path| self.state.check_request_of(path)).or(self.state.check_request())
     }
 

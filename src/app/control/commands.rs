@@ -273,6 +273,7 @@ impl App {
             C::EditPlunge => {
                 look.tab = Tab::Edit;
                 look.panels.open(DockPanel::Details);
+                edit_plunge::focus(ctx);
             }
             C::DeletePlunge => self.state.delete_selected(false),
             C::DeleteRow => self.state.delete_selected(true),

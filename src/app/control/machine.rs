@@ -36,7 +36,7 @@ impl App {
         let file = path.to_string_lossy().into_owned();
         self.state.solve(Topic::Machine);
         self.state.report_done(format!("Opened {}: {}", path.display(), machine.name));
-        self.state.machines.note(&NamedMachine { file: file.clone(), name: Ok(machine.name.clone()) });
+        self.state.machines.note(&NamedMachine::of(&file, Ok(&machine)));
         // The file may have been written since it was read last.
         self.state.machines.readings += 1;
         let was_same = self.state.document.edited.setup.machine.file.as_ref() == Some(&file);

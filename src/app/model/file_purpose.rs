@@ -59,6 +59,8 @@ pub enum Purpose {
     },
     /// A post to write NC programs with.
     OpenPost,
+    /// A post to read the program with that is checked.
+    OpenPostOfCheck,
     /// Target of the setup sheet of an operation: of the shown plunge plan, or the flank plan.
     ExportSheet {
         /// Roughing or flank.
@@ -101,7 +103,11 @@ impl Purpose {
         match self {
             Self::OpenPart | Self::LocatePart | Self::OpenProject | Self::SaveProject => FilePlace::Part,
             Self::OpenSetup | Self::SaveSetup => FilePlace::Setups,
-            Self::OpenMachine | Self::OpenLibrary | Self::SaveLibrary | Self::OpenPost => FilePlace::Shop,
+            Self::OpenMachine
+            | Self::OpenLibrary
+            | Self::SaveLibrary
+            | Self::OpenPost
+            | Self::OpenPostOfCheck => FilePlace::Shop,
             _ => FilePlace::Work,
         }
     }
@@ -125,7 +131,7 @@ impl Purpose {
             Self::ExportFlank { channels: 1 } => "Export flank CL (APT)",
             Self::ExportFlank { .. } => "Export flank CL of several channels (APT)",
             Self::ExportNc { .. } => "Export NC program",
-            Self::OpenPost => "Open post",
+            Self::OpenPost | Self::OpenPostOfCheck => "Open post",
             Self::ExportSheet { operation: Operation::Flank } => "Export setup sheet of flank",
             Self::ExportSheet { .. } => "Export setup sheet",
             Self::SaveAssessment => "Save machinability page",
@@ -164,6 +170,7 @@ impl Purpose {
             | Self::LocatePart
             | Self::OpenStudy
             | Self::OpenPost
+            | Self::OpenPostOfCheck
             | Self::CheckProgram => "",
         }
     }
@@ -208,7 +215,7 @@ impl Purpose {
             Self::OpenMachine => ("Machine files", &["toml"]),
             Self::ExportCl { .. } | Self::ExportFlank { .. } => ("APT cutter location", &["apt", "cl"]),
             Self::ExportNc { dialect, .. } => ("NC programs", endings_of(dialect)),
-            Self::OpenPost => ("Posts", &["toml"]),
+            Self::OpenPost | Self::OpenPostOfCheck => ("Posts", &["toml"]),
             Self::ExportSheet { .. } | Self::SaveAssessment => ("Pages", &["html"]),
             Self::CheckProgram => ("Programs", PROGRAM_ENDINGS),
             Self::ExportScene { .. } => ("glTF scenes", &["glb"]),

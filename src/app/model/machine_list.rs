@@ -2,10 +2,19 @@
 //! of this session name.
 
 use std::path::Path;
+use std::sync::LazyLock;
 
 use super::problem::without_markdown;
 use crate::io::InputError;
-use crate::io::machine_file::{built_in_names, is_built_in};
+use crate::io::machine_file::{built_in_names, is_built_in, read_machine};
+use crate::machine::MachineTool;
+
+/// Largest tilts that the machines of the program reach, radians.
+static BUILT_IN_TILTS: LazyLock<Vec<(&str, f64)>> = LazyLock::new(|| {
+    let tilt_of =
+        |name| read_machine(Path::new(name)).ok().map(|machine| (name, machine.max_axis_tilt_rad()));
+    built_in_names().filter_map(tilt_of).collect()
+});
 
 /// A machine file, and what was read from it.
 #[derive(Clone, Debug)]
@@ -14,6 +23,16 @@ pub struct NamedMachine {
     pub file: String,
     /// Name of the machine, or why it is not known.
     pub name: Result<String, InputError>,
+    /// Largest angle between tool axis and part axis that it reaches, radians; `None` where it is not known.
+    pub max_axis_tilt_rad: Option<f64>,
+}
+
+impl NamedMachine {
+    /// What was read from `file`.
+    pub fn of(file: &str, read: Result<&MachineTool, InputError>) -> Self {
+        let max_axis_tilt_rad = read.as_ref().ok().map(|machine| machine.max_axis_tilt_rad());
+        Self { file: file.to_owned(), name: read.map(|machine| machine.name.clone()), max_axis_tilt_rad }
+    }
 }
 
 /// Machine files of the session, in the order in which they were first read.
@@ -28,7 +47,7 @@ impl MachineList {
     /// Keeps what was read last from a machine file.
     pub fn note(&mut self, read: &NamedMachine) {
         match self.own.iter_mut().find(|known| known.file == read.file) {
-            Some(known) => known.name.clone_from(&read.name),
+            Some(known) => known.clone_from(read),
             None => self.own.push(read.clone()),
         }
     }
@@ -50,6 +69,14 @@ impl MachineList {
         match self.own.iter().find(|own| own.file == machine).map(|own| &own.name) {
             Some(Ok(name)) if !is_built_in(machine) => format!("{file} ({name})"),
             _ => file.into_owned(),
+        }
+    }
+
+    /// Largest tilt that the machine of that name or file reaches, radians; `None` where it is not known.
+    pub fn max_axis_tilt_rad(&self, machine: &str) -> Option<f64> {
+        match self.own.iter().find(|own| own.file == machine) {
+            Some(own) => own.max_axis_tilt_rad,
+            None => BUILT_IN_TILTS.iter().find(|(name, _)| *name == machine).map(|(_, tilt)| *tilt),
         }
     }
 
@@ -84,7 +111,7 @@ mod tests {
         let mut list = MachineList::default();
         let of_program: Vec<String> = built_in_names().map(str::to_owned).collect();
         assert_eq!(list.entries(Some(of_program[1].as_str())), of_program, "none stands twice");
-        let file = |file: &str, name| NamedMachine { file: file.to_owned(), name };
+        let file = |file: &str, name| NamedMachine { file: file.to_owned(), name, max_axis_tilt_rad: None };
         let fault = InputError::new(ErrorCode::FileUnreadable, "b.toml", 0, "is gone".to_owned(), "find it");
         list.note(&file("/m/a.toml", Ok("Mill 5".to_owned())));
         list.note(&file("/m/b.toml", Err(fault)));

@@ -43,8 +43,7 @@ fn note_of(
 ) -> Option<FieldNote> {
     let limit = |mm: f64| format!("{} {}", units.short(mm, 3), units.length_unit());
     let greatest = tools.iter().map(most).reduce(f64::max).filter(|greatest| *greatest < mm - 1e-9)?;
-    let who = if let [tool] = tools { format!("T{}", tool.number) } else { "A tool".to_owned() };
-    let line = format!("{who} takes at most {}", limit(greatest));
+    let line = format!("At most {}", limit(greatest));
     let of_tool =
         |tool: &Tool| format!("T{} takes at most {}: {}", tool.number, limit(most(tool)), why(tool));
     Some([line, tools.iter().map(of_tool).collect::<Vec<_>>().join("\n")])
@@ -72,7 +71,7 @@ mod tests {
     #[test]
     fn a_step_that_a_tool_does_not_take_is_said_with_its_limit() {
         let tools = [tool(1, 90.0), tool(2, 40.0)];
-        for (mm, line) in [(4.0, None), (6.0, None), (20.0, Some("A tool takes at most 6 mm"))] {
+        for (mm, line) in [(4.0, None), (6.0, None), (20.0, Some("At most 6 mm"))] {
             let note = step_note(mm, &tools, DisplayUnits::Metric);
             assert_eq!(note.as_ref().map(|[line, _]| line.as_str()), line, "{mm}");
             // Where nothing is said the planner takes it.
@@ -87,11 +86,8 @@ mod tests {
             "{text}"
         );
         let [line, _] = step_note(6.0, &tools[..1], DisplayUnits::Metric).expect("a note");
-        assert_eq!(line, "T1 takes at most 4.8 mm");
+        assert_eq!(line, "At most 4.8 mm");
         let [line, text] = lead_out_note(8.0, &tools[..1], DisplayUnits::Metric).expect("a note");
-        assert_eq!(
-            (line.as_str(), text.as_str()),
-            ("T1 takes at most 6 mm", "T1 takes at most 6 mm: its radius")
-        );
+        assert_eq!((line.as_str(), text.as_str()), ("At most 6 mm", "T1 takes at most 6 mm: its radius"));
     }
 }

@@ -14,9 +14,9 @@ pub(in crate::app) struct MachineNames(Latest<(String, u32), NamedMachine>);
 impl MachineNames {
     /// Starts the thread.
     pub(in crate::app) fn new(repaint: &Repaint) -> Self {
-        let read = |(file, _): &(String, u32)| NamedMachine {
-            file: file.clone(),
-            name: read_machine(Path::new(file)).map(|machine| machine.name),
+        let read = |(file, _): &(String, u32)| {
+            let machine = read_machine(Path::new(file));
+            NamedMachine::of(file, machine.as_ref().map_err(Clone::clone))
         };
         Self(Latest::new("machine name", repaint, read))
     }

@@ -123,6 +123,11 @@ impl TradeoffWork {
         self.worker.progress()
     }
 
+    /// Whether the search waits for what goes ahead of it.
+    pub(in crate::app) fn is_held(&self) -> bool {
+        self.worker.is_held()
+    }
+
     /// Whether a curve is being found, or is not collected yet.
     pub(in crate::app) fn is_busy(&self) -> bool {
         self.worker.is_busy() || self.worker.has_outcome()

@@ -224,9 +224,9 @@ impl Command {
             && !matches!(shortcut.logical_key, Key::F1 | Key::F5 | Key::F6 | Key::F7 | Key::Escape)
     }
 
-    /// Commands whose keys were pressed in this frame, in their order. Keys that also type or move count only
-    /// while no field has the focus. Keys of commands that are not available now are not consumed: of two with
-    /// the same keys the first that is available has them.
+    /// Commands whose keys were pressed in this frame, in their order. Keys that also type or move count
+    /// only while no field has the focus. Keys of commands that are not available now are not consumed: of
+    /// two with the same keys the first that is available has them.
     pub fn pressed(ctx: &Context, can: impl Fn(Self) -> bool) -> Vec<Self> {
         // An open list or menu takes the arrows before any of its entries has the focus.
         let has_focus = ctx.memory(|memory| memory.focused().is_some());

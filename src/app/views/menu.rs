@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use egui::{MenuBar, Ui};
+use egui::containers::menu::MenuConfig;
+use egui::{MenuBar, RichText, Ui};
 
 use super::command::Command;
 use super::dock::{PanelRequest, panel_menu};
@@ -118,11 +119,19 @@ fn long_menu(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
     ui.menu_button(name, |ui| long_content(ui, name, bar, content));
 }
 
+/// The menu of the size of texts, with the present one in percent of the usual; returns what was chosen.
+fn text_size_menu(ui: &mut Ui) -> Option<Command> {
+    ui.label(RichText::new(format!("{:.0} %", 100.0 * ui.ctx().zoom_factor())).weak());
+    let sizes = [Command::TextLarger, Command::TextSmaller, Command::TextUsual];
+    sizes.into_iter().filter(|size| size.menu_item(ui, true)).last()
+}
+
 impl App {
     /// Draws the menu bar.
     pub(in crate::app) fn menu(&mut self, ui: &mut Ui) {
         let (mut chosen, mut recent, mut changed) = (None, None, None);
-        MenuBar::new().ui(ui, |ui| {
+        let menus = MenuConfig::new().style(theme::menu_style);
+        MenuBar::new().config(menus).style(theme::menu_style).ui(ui, |ui| {
             for (name, groups) in MENUS {
                 long_menu(ui, name, |ui| {
                     // The recent files stand below the commands that open others.
@@ -144,7 +153,8 @@ impl App {
                     let command = overlay::mouse_choice(ui, self.state.look.mouse);
                     chosen = command.or(chosen);
                 });
-                ui.menu_button("Text size", egui::gui_zoom::zoom_menu_buttons);
+                let size = ui.menu_button("Text size", text_size_menu).inner.flatten();
+                chosen = size.or(chosen);
                 ui.menu_button("Units", |ui| {
                     let command = overlay::unit_choice(ui, self.state.look.units);
                     chosen = command.or(chosen);
@@ -168,7 +178,7 @@ impl App {
                     let name = document.path.as_ref().and_then(|path| path.file_stem());
                     let name = name.map_or_else(|| "not saved yet".into(), |name| name.to_string_lossy());
                     let mark = if document.is_unsaved() { " •" } else { "" };
-                    let label = ui.label(egui::RichText::new(format!("{name}{mark}")).weak());
+                    let label = ui.label(RichText::new(format!("{name}{mark}")).weak());
                     label.on_hover_text(if mark.is_empty() {
                         "Everything is saved"
                     } else {

@@ -187,6 +187,11 @@ pub fn layers_top(rect: Rect) -> f32 {
     if rect.width() < 300.0 { 44.0 } else { 10.0 }
 }
 
+/// How far the controls at the upper edge of the view reach down, points.
+pub fn controls_bottom(rect: Rect) -> f32 {
+    layers_top(rect) + 30.0
+}
+
 /// The menu of layers, in the upper right corner of the view. `channels`: number of those of the part.
 /// `is_available`: whether there is something that a layer shows.
 pub fn layers(
@@ -341,8 +346,14 @@ pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
     chosen
 }
 
-/// Points and distance of a measurement.
-pub fn measurement(ui: &Ui, rect: Rect, camera: &Camera, points: &[glam::Vec3], under: Option<glam::Vec3>) {
+/// Points and distance of a measurement, whose text stands above what is `taken`.
+pub fn measurement(
+    ui: &Ui,
+    (rect, taken): (Rect, Rect),
+    camera: &Camera,
+    points: &[glam::Vec3],
+    under: Option<glam::Vec3>,
+) {
     let size = glam::vec2(rect.width(), rect.height());
     let place = |p: glam::Vec3| camera.project(p, size).map(|q| rect.min + egui::vec2(q.x, q.y));
     let painter = ui.painter_at(rect);
@@ -364,6 +375,8 @@ pub fn measurement(ui: &Ui, rect: Rect, camera: &Camera, points: &[glam::Vec3], 
     let at = egui::pos2(rect.center().x, rect.max.y - 24.0);
     let galley = painter.layout_no_wrap(text, FontId::proportional(13.0), ui.visuals().strong_text_color());
     let back = Rect::from_center_size(at, galley.size() + egui::vec2(12.0, 6.0));
+    let raised = if back.intersects(taken) { back.bottom() - taken.top() + 4.0 } else { 0.0 };
+    let back = back.translate(egui::vec2(0.0, -raised));
     painter.rect_filled(back, 4.0, theme::overlay(ui.visuals()));
     painter.galley(back.min + egui::vec2(6.0, 3.0), galley, Color32::PLACEHOLDER);
 }

@@ -66,6 +66,14 @@ pub fn section_bar_height(rect: Rect) -> f32 {
     SECTION_BAR.y + 10.0 + raised
 }
 
+/// Where the controls of the section plane stand in the view `rect`.
+pub fn section_bar_rect(rect: Rect) -> Rect {
+    let width = (rect.width() - 20.0).min(SECTION_BAR.x);
+    let corner = egui::pos2(rect.min.x + 10.0, rect.max.y - section_bar_height(rect));
+    let height = SECTION_BAR.y + if is_narrow(rect) { SECTION_ROW } else { 0.0 };
+    Rect::from_min_size(corner, egui::vec2(width, height))
+}
+
 /// The side that is cut away, and what closes the section; `true` when it was clicked.
 fn side_and_close(ui: &mut Ui, flipped: &mut bool) -> bool {
     ui.checkbox(flipped, "Flip").on_hover_text("Cuts away the other half");
@@ -77,12 +85,8 @@ fn side_and_close(ui: &mut Ui, flipped: &mut bool) -> bool {
 pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, bounds: (Vec3, f32)) {
     let units = look.units;
     let Some(section) = &mut look.section else { return };
-    let narrow = is_narrow(rect);
-    let width = (rect.width() - 20.0).min(SECTION_BAR.x);
-    let corner = egui::pos2(rect.min.x + 10.0, rect.max.y - section_bar_height(rect));
-    let height = SECTION_BAR.y + if narrow { SECTION_ROW } else { 0.0 };
-    let at = Rect::from_min_size(corner, egui::vec2(width, height));
-    let mut close = false;
+    let (narrow, at) = (is_narrow(rect), section_bar_rect(rect));
+    let (mut close, width) = (false, at.width());
     floating(ui, at, |ui| {
         ui.set_width(width - 8.0);
         let title = ui

@@ -4,6 +4,7 @@
 use egui::{CentralPanel, RichText, ScrollArea, Ui};
 
 use crate::app::App;
+use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::{Operation, Tab};
 use crate::app::model::panels::DockPanel;
 use crate::app::views::command::Command;
@@ -78,8 +79,12 @@ impl App {
         let planned = self.state.results.planned.clone();
         let chosen = planned.as_ref().map(|planned| &planned.outcome.setup);
         let open = self.state.document.part.as_ref();
-        let defaults = open.map(|part| part.defaults.clone()).unwrap_or_default();
+        let mut defaults = open.map(|part| part.defaults.clone()).unwrap_or_default();
         let setup = &mut self.state.document.edited.setup;
+        // That of the machine, which the planner keeps to.
+        let machine = setup.machine.file.as_deref();
+        let reached_rad = machine.and_then(|machine| self.state.machines.max_axis_tilt_rad(machine));
+        defaults.machine.max_axis_tilt_rad = reached_rad.unwrap_or(defaults.machine.max_axis_tilt_rad);
         let known = &mut self.state.look.known_goals;
         heading(ui, "Plunge", fresh, |ui| panels::setup::plunge(ui, setup, known, &defaults, chosen));
         self.allowances(ui, fresh);
@@ -139,7 +144,11 @@ impl App {
                 }
             }
         });
-        heading(ui, "Program", fresh, |ui| panels::program::form(ui, &mut self.state));
+        let mut opens_post = false;
+        heading(ui, "Program", fresh, |ui| opens_post = panels::program::form(ui, &mut self.state));
+        if opens_post {
+            self.dialogs.open_dialog(ui.ctx(), Purpose::OpenPostOfCheck, String::new());
+        }
         self.allowances(ui, fresh);
     }
 

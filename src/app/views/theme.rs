@@ -4,10 +4,19 @@
 //! States use the Okabe-Ito palette, which is safe for colour-blind users; each also has a word or a mark
 //! shape.
 
-use egui::{Color32, Context, CornerRadius, FontId, FontSelection, Stroke, TextStyle, Theme, Ui, Visuals};
+use egui::{
+    Color32, Context, CornerRadius, FontId, FontSelection, Stroke, Style, TextStyle, Theme, Ui, Visuals,
+};
 
 use crate::palette;
 pub use crate::plunge::Condition;
+
+/// Style of the menu bar and its menus: the item that has the keys has a frame, as elsewhere.
+pub fn menu_style(style: &mut Style) {
+    let focus = style.visuals.widgets.active.bg_stroke;
+    egui::containers::menu::menu_style(style);
+    style.visuals.widgets.active.bg_stroke = focus;
+}
 
 /// A colour of the pictures, for the window.
 pub fn colour(colour: palette::Rgb) -> Color32 {

@@ -25,7 +25,7 @@ use crate::app::views::legend;
 use crate::app::views::overlay::{self, SwitchChoice};
 use crate::app::views::panels::part;
 use crate::app::views::picture::{Content, ShownFlank};
-use crate::app::views::section_plane::{section_bar, section_bar_height, section_plane};
+use crate::app::views::section_plane::{section_bar, section_bar_height, section_bar_rect, section_plane};
 use crate::app::views::theme;
 use crate::app::views::view3d::{self, view_point};
 
@@ -284,8 +284,9 @@ impl App {
         }
         if let Some(points) = self.state.look.measure.clone() {
             let under = self.hover.as_ref().and_then(|hover| hover.hit.point);
+            let bar = self.state.look.section.map_or(Rect::NOTHING, |_| section_bar_rect(whole));
             for pane in panes {
-                overlay::measurement(ui, pane.rect, &camera, &points, under);
+                overlay::measurement(ui, (pane.rect, bar), &camera, &points, under);
             }
         }
         if roughing {

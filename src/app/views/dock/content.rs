@@ -6,6 +6,7 @@ use super::sizes::GAP;
 use crate::app::App;
 use crate::app::model::look::Operation;
 use crate::app::model::panels::DockPanel;
+use crate::app::views::overlay::controls_bottom;
 use crate::app::views::panels;
 use crate::app::views::panels::library::LibraryPanel;
 
@@ -205,12 +206,12 @@ impl App {
         let whole = ui.available_rect_before_wrap();
         if self.state.document.part.is_some() {
             self.viewport(ui);
-            panels::problems::show(ui, whole, &mut self.state);
+            panels::problems::show(ui, whole, controls_bottom(whole), &mut self.state);
             return;
         }
         // The start page begins below the messages: they would hide what it offers.
         ui.painter().rect_filled(whole, 0.0, ui.visuals().panel_fill);
-        let taken = panels::problems::show(ui, whole, &mut self.state);
+        let taken = panels::problems::show(ui, whole, 0.0, &mut self.state);
         let rest = whole.with_min_y(whole.top() + taken);
         ui.scope_builder(egui::UiBuilder::new().max_rect(rest), |ui| self.viewport(ui));
     }

@@ -1,6 +1,6 @@
 //! Tab "By hand" of the selected position: what is changed in the plan by hand.
 
-use egui::{Button, Grid, RichText, Ui};
+use egui::{Button, Context, Grid, Id, RichText, Ui};
 
 use super::fields::{self, FieldSpec};
 use crate::app::model::state::AppState;
@@ -31,9 +31,19 @@ const TILT: FieldSpec = FieldSpec::degrees(
 const MOVE_TIP: &str = "Moves and turns by the four fields, then lowers the cutter onto the hub allowance again.\n\
      Contact and clearances are measured anew; blades do not stop it";
 
+fn focus_key() -> Id {
+    Id::unique("the keys go to the edits by hand")
+}
+
+/// Gives the keys to the first control of the tab once it is drawn.
+pub fn focus(ctx: &Context) {
+    ctx.data_mut(|data| data.insert_temp(focus_key(), true));
+}
+
 /// Draws the tab for the selected position; returns the command that was asked for.
 pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     let mut chosen = None;
+    let is_focused = ui.data_mut(|data| data.remove_temp::<bool>(focus_key())).unwrap_or_default();
     if state.editable_plan().is_none() {
         let why = match state.shows_undone_edits() {
             true => "The plan still has edits that were taken back: calculate it first.",
@@ -46,7 +56,10 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     let mut edit = state.look.edit;
     ui.horizontal(|ui| {
         ui.label("Edit");
-        ui.radio_value(&mut edit.whole_row, false, "Plunge");
+        let first = ui.radio_value(&mut edit.whole_row, false, "Plunge");
+        if is_focused {
+            first.request_focus();
+        }
         ui.radio_value(&mut edit.whole_row, true, "Whole row");
     });
     let row = edit.whole_row;

@@ -80,8 +80,9 @@ pub fn below_messages(ui: &Ui, view: Rect, corner: Pos2) -> Pos2 {
     if has_room && covered.intersects(Rect::from_min_size(corner, TEXTS)) { below } else { corner }
 }
 
-/// Draws the problems over the view `whole`; returns how far down they reach, 0 without any.
-pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
+/// Draws the problems over the view `whole`, whose controls reach `controls` points down; returns how far
+/// down they reach themselves, 0 without any.
+pub fn show(ui: &mut Ui, whole: Rect, controls: f32, state: &mut AppState) -> f32 {
     if state.problems.is_empty() {
         is_new(ui, Vec::new());
         ui.data_mut(|data| data.remove::<Rect>(covered_key()));
@@ -91,7 +92,10 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
     let beside = whole.width() - NOTE_WIDTH - CUBE_WIDTH;
     let width = if beside < MIN_WIDTH { whole.width() - 20.0 } else { beside }.clamp(80.0, MAX_WIDTH);
     let left = if beside < MIN_WIDTH { 0.0 } else { NOTE_WIDTH };
-    let corner = egui::pos2((whole.center().x - 0.5 * width).max(whole.left() + left), whole.top() + TOP);
+    let corner = egui::pos2(
+        (whole.center().x - 0.5 * width).max(whole.left() + left),
+        whole.top() + TOP.max(controls + 2.0),
+    );
     let at = Rect::from_min_max(corner, egui::pos2(corner.x + width, whole.bottom() - 4.0));
     let fill = ui.visuals().panel_fill;
     let key = Id::unique("drawn problem messages");

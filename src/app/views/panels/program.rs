@@ -55,11 +55,13 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
 
 const MACHINE_TIP: &str = "The machine that NC code was posted for: its axes and limits. APT needs none";
 const CONTROL_TIP: &str = "The control whose words the NC code is written in. APT needs none";
+const POST_TIP: &str = "Reads the program with a post of your own, by which it was written (.toml)";
 /// Entry of the list of controls for the one that the machine file names.
 const OF_MACHINE: &str = "of the machine";
 
-/// Draws what was checked.
-pub fn form(ui: &mut Ui, state: &mut AppState) {
+/// Draws what was checked; `true` where a post file is asked for.
+pub fn form(ui: &mut Ui, state: &mut AppState) -> bool {
+    let mut opens_post = false;
     Grid::new("check target").num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
         let mut machine = state.check_machine().to_owned();
         fields::machine_row(ui, ("NC machine", MACHINE_TIP), &mut machine, &state.machines);
@@ -70,9 +72,12 @@ pub fn form(ui: &mut Ui, state: &mut AppState) {
         let mut control = look.check_control.clone().unwrap_or_else(|| OF_MACHINE.to_owned());
         let controls = [OF_MACHINE].into_iter().chain(built_in_posts());
         fields::control_row(ui, ("NC control", CONTROL_TIP), &mut control, controls, |_| {});
+        ui.label("");
+        opens_post = ui.button("Post file…").on_hover_text(POST_TIP).clicked();
+        ui.end_row();
         look.check_control = Some(control).filter(|control| control != OF_MACHINE);
     });
-    let Some(checked) = &state.results.checked else { return };
+    let Some(checked) = &state.results.checked else { return opens_post };
     if let Some(words) = state.results.program_file.words() {
         let text = RichText::new(words).color(Condition::Blocked.text(ui.visuals()));
         ui.add(Label::new(text).wrap());
@@ -90,6 +95,7 @@ pub fn form(ui: &mut Ui, state: &mut AppState) {
     for note in &checked.notes {
         ui.add(Label::new(RichText::new(as_sentence(note.clone())).weak()).wrap());
     }
+    opens_post
 }
 
 /// Draws the list of faults; a click selects a fault and zooms to it.

@@ -26,7 +26,7 @@ impl App {
     pub(in crate::app) fn tradeoff(&mut self, ui: &mut Ui) {
         let points = self.weighing.points().cloned();
         let search = match self.weighing.progress() {
-            Some(progress) => CurveSearch::Running(progress),
+            Some(progress) => CurveSearch::Running((!self.weighing.is_held()).then_some(progress)),
             None if self.weighing.was_cancelled() => CurveSearch::Cancelled,
             None if !self.work.is_planning() && !can_be_weighed(&self.state) => CurveSearch::NoPlan,
             None => CurveSearch::Idle,
@@ -51,8 +51,8 @@ fn can_be_weighed(state: &AppState) -> bool {
 #[derive(Clone, Copy)]
 enum CurveSearch {
     Idle,
-    /// With its progress, 0…1.
-    Running(f64),
+    /// With its progress, 0…1; `None` while it waits for another calculation.
+    Running(Option<f64>),
     Cancelled,
     /// No plan to weigh is there or being calculated.
     NoPlan,
@@ -74,8 +74,11 @@ fn waiting(ui: &mut Ui, state: &AppState, search: CurveSearch) -> Option<CurveCo
     let is_minimal = state.document.edited.setup.plunge.axis == AxisPolicy::Minimal;
     ui.horizontal(|ui| match search {
         CurveSearch::Running(progress) => {
-            let text = format!("Weighing the plunges {:.0} %", 100.0 * progress);
-            ui.add(ProgressBar::new(progress as f32).desired_width(200.0).text(text));
+            let text = match progress {
+                Some(progress) => format!("Weighing the plunges {:.0} %", 100.0 * progress),
+                None => "Weighing the plunges: waiting…".to_owned(),
+            };
+            ui.add(ProgressBar::new(progress.unwrap_or(0.0) as f32).desired_width(200.0).text(text));
             ui.button("Cancel curve").clicked().then_some(CurveCommand::Cancel)
         }
         CurveSearch::Cancelled => {
