@@ -249,6 +249,10 @@ fn a_plunge_is_lifted_twice_after_tools_are_taken_over() {
     }
     let edits = window.state().state().document.edited.setup.plunge.edits.clone();
     assert!(matches!(edits[..], [PlungeEdit { change: PlungeChange::Lift(2.0), .. }]), "{edits:?}");
+    // What is not taken meanwhile is said.
+    window.key_press(egui::Key::Delete);
+    window.run_steps(3);
+    window.get_by_label("Roughing is still being calculated: edit it when that is done");
     slow.store(false, Ordering::SeqCst);
     settle(&mut window);
 }

@@ -169,7 +169,8 @@ fn until_the_plan_follows_an_edit_the_next_one_waits_but_lifts_add_up() {
     window.key_press(egui::Key::Delete);
     window.run_steps(3);
     assert_eq!(count_edits(&window), 1, "the second lift adds to the first, nothing else is taken");
-    window.get_by_label_contains("calculate it first");
+    let said = |window: &Window| window.query_all_by_label_contains("calculate it first").count();
+    assert_eq!(said(&window), 2, "in the tab, and in the status bar for the key");
     click(&mut window, "Calculate roughing");
     let lifted = &positions(&window)[2];
     assert!((lifted.lift - found[2].lift - 1.0).abs() < 1e-9, "{} mm", lifted.lift);
@@ -183,7 +184,7 @@ fn until_the_plan_follows_an_edit_the_next_one_waits_but_lifts_add_up() {
     window.key_press(egui::Key::Delete);
     window.run_steps(3);
     assert_eq!(count_edits(&window), 1, "it would not be applied");
-    window.get_by_label_contains("calculate it first");
+    assert_eq!(said(&window), 2);
 }
 
 #[test]

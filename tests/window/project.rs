@@ -365,6 +365,16 @@ fn a_part_that_changed_since_is_noticed() {
     let problems = second.state().state().problems.clone();
     assert!(problems.iter().any(|p| p.message.contains("the part changed")), "{problems:?}");
     std::fs::remove_file(&part).expect("removes");
+    // A recovery copy is known by its project.
+    let text_of_project = std::fs::read_to_string(&path).expect("reads");
+    let mut copy: serde_json::Value = serde_json::from_str(&text_of_project).expect("JSON");
+    copy["original"] = path.to_string_lossy().into();
+    let copy_path = folder.path().join("1-2.vanecut");
+    std::fs::write(&copy_path, copy.to_string()).expect("writes");
+    let mut of_copy = window(engine.clone());
+    of_copy.state_mut().open_path(copy_path);
+    settle(&mut of_copy);
+    of_copy.get_by_label("The part of p.vanecut is not found");
     let mut third = window(engine);
     third.state_mut().open_path(path);
     settle(&mut third);

@@ -69,6 +69,15 @@ fn up_and_down_follow_the_table_as_it_is_sorted_and_filtered() {
 }
 
 #[test]
+fn without_interfering_plunges_the_key_for_them_says_so() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.key_press(egui::Key::N);
+    window.run_steps(3);
+    window.get_by_label("No plunge of this plan interferes");
+}
+
+#[test]
 fn keys_that_are_pressed_within_one_frame_all_count() {
     use egui::Key::{ArrowDown, ArrowUp};
     let (engine, _) = fake::engine();

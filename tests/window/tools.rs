@@ -115,10 +115,13 @@ fn tools_that_are_chosen_anew_are_named_and_the_colour_scale_stays() {
     set_step(&mut window, 6.0);
     assert!(window.query_by_label_contains("chosen anew:").is_none(), "the same tools");
     set_step(&mut window, 30.0);
-    let said = window.query_all_by_label_contains("Tools chosen anew: Ø30 (1.00 to 0.50)");
+    let said = window.query_all_by_label_contains("Tools chosen anew: Ø20");
     assert!(said.count() > 0, "in the panel, too");
     let notice = window.state().state().notice.clone().expect("a word about it");
-    assert!(notice.tone == Tone::Done && notice.text.contains("became Ø20"), "{notice:?}");
+    assert!(
+        notice.tone == Tone::Done && notice.text.contains("in place of Ø30 (1.00 to 0.50)"),
+        "{notice:?}"
+    );
     let state = window.state().state();
     assert_eq!(state.range(), scale, "one colour means one height in both plans");
     assert_ne!(state.fitting_range(), scale, "although another would fit");

@@ -21,6 +21,10 @@ use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
 use crate::app::views::help::HelpPage;
 use crate::app::views::panels::edit_plunge;
+use crate::plunge::{Condition, Position};
+
+/// Why plunges take no edits while they are planned.
+const CALCULATED: &str = "Roughing is still being calculated: edit it when that is done";
 
 impl App {
     /// Whether a command is available now.
@@ -123,9 +127,42 @@ impl App {
         }
     }
 
-    /// Whether the keys of a command do something: what they cannot export is said.
+    /// Whether the keys of a command do something: at least they say why it cannot be done.
     pub(in crate::app) fn is_heard(&self, command: Command) -> bool {
-        self.is_available(command) || self.why_not_exported(command).is_some()
+        self.is_available(command) || self.why_refused(command).is_some()
+    }
+
+    /// Why a command that is asked for by its keys is not done; `None` where it is, or nothing is to be said.
+    fn why_refused(&self, command: Command) -> Option<String> {
+        use Command as C;
+        match command {
+            C::NextFault | C::PreviousFault => self.why_no_fault().map(str::to_owned),
+            C::DeletePlunge
+            | C::DeleteRow
+            | C::LockPlunge
+            | C::LockRow
+            | C::CutEarlier
+            | C::CutLater
+            | C::CutRowEarlier
+            | C::CutRowLater => {
+                self.state.selected()?;
+                let why = self.state.why_not_edited()?;
+                let is_planning = self.work.is_calculating(Operation::Roughing);
+                Some(if is_planning { CALCULATED.to_owned() } else { why.to_owned() })
+            }
+            _ => self.why_not_exported(command),
+        }
+    }
+
+    /// Words on a plan or a program without faults; `None` where there are some, or nothing is known.
+    fn why_no_fault(&self) -> Option<&'static str> {
+        if self.is_program() {
+            let checked = self.state.results.checked.as_ref()?;
+            return checked.findings.is_empty().then_some("The program has no faults");
+        }
+        let shown = self.state.shown().filter(|_| self.state.look.operation == Operation::Roughing)?;
+        let interferes = |position: &Position| position.condition() == Condition::Interfering;
+        (!shown.plan().positions.iter().any(interferes)).then_some("No plunge of this plan interferes")
     }
 
     /// Whether there is work to cancel.
@@ -136,7 +173,7 @@ impl App {
     /// Executes a command.
     pub(in crate::app) fn run_command(&mut self, ctx: &Context, command: Command) {
         use Command as C;
-        if let Some(why) = self.why_not_exported(command) {
+        if let Some(why) = self.why_refused(command) {
             return self.state.report_refusal(why);
         }
         let can_cancel = self.can_cancel();

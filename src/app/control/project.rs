@@ -11,7 +11,6 @@ use crate::app::model::document::Edited;
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::library_state::LibraryState;
 use crate::app::model::look::REVEAL;
-use crate::app::model::part_source::PartSource;
 use crate::app::model::planned::Side;
 use crate::app::model::problem::{Problem, Topic};
 use crate::app::model::state::RecoveryCopy;
@@ -19,6 +18,7 @@ use crate::app::tasks::files::{ProjectTask, WriteTask, WrittenProject};
 use crate::app::tasks::home::{Home, Preferences};
 use crate::app::tasks::lock::{HeldLock, LockTry};
 use crate::app::tasks::open_task::OpenTask;
+use crate::app::tasks::opening::MissingPart;
 use crate::app::tasks::project::{project_of, show_view_of};
 use crate::app::views::changed::{self, ChangedAnswer};
 use crate::app::views::missing_part::{self, MissingPartAnswer};
@@ -66,10 +66,10 @@ pub(in crate::app) struct Session {
     pub(super) after_saving: Option<Pending>,
     /// Action to run once the tool library is written.
     pub(super) after_library: Option<Pending>,
-    /// A project that was opened and its part, whose file does not exist, while it is asked where that is.
-    pub(super) missing_part: Option<(PathBuf, PartSource)>,
+    /// A project that was opened, while it is asked where its part is.
+    pub(super) missing_part: Option<MissingPart>,
     /// The same while its part is being located.
-    located: Option<(PathBuf, PartSource)>,
+    located: Option<MissingPart>,
     /// The project's file, while it is asked whether to replace what another window or program has written
     /// there.
     pub(super) changed_on_disk: Option<PathBuf>,
@@ -206,8 +206,8 @@ impl App {
 
     /// Asks where the part of an opened project is, while that is due.
     pub(in crate::app) fn ask_missing_part(&mut self, ui: &Ui) {
-        let Some((project, source)) = &self.session.missing_part else { return };
-        let Some(answer) = missing_part::ask(ui, project, &source.shown()) else { return };
+        let Some(missing) = &self.session.missing_part else { return };
+        let Some(answer) = missing_part::ask(ui, &missing.name, &missing.source.shown()) else { return };
         self.session.located = self.session.missing_part.take();
         if answer == MissingPartAnswer::Locate {
             self.dialogs.open_dialog(ui.ctx(), Purpose::LocatePart, String::new());
@@ -216,7 +216,7 @@ impl App {
 
     /// Opens the project whose part was located at `path`.
     pub(in crate::app) fn open_located(&mut self, path: PathBuf) {
-        let Some((project, source)) = self.session.located.take() else { return };
+        let Some(MissingPart { project, source, .. }) = self.session.located.take() else { return };
         self.submit_open(OpenTask::Project(project, Some(source.moved_to(path))));
     }
 

@@ -232,7 +232,7 @@ impl DisplayPlan {
         } else if sorted(then.clone()) == sorted(now.clone()) {
             Some(format!("Sections cut in another order: {}", now.join(", ")))
         } else {
-            Some(format!("Tools chosen anew: {} became {}", then.join(", "), now.join(", ")))
+            Some(format!("Tools chosen anew: {} in place of {}", now.join(", "), then.join(", ")))
         }
     }
 

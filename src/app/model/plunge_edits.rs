@@ -47,6 +47,19 @@ impl AppState {
         shown.policy == shown.planned.setup.plunge.axis && self.editable_plan().is_none()
     }
 
+    /// Why plunges of the shown plan take no edits; `None` where they do.
+    pub fn why_not_edited(&self) -> Option<&'static str> {
+        if self.takes_edits() {
+            None
+        } else if self.shows_undone_edits() {
+            Some("The plan still has edits that were taken back: calculate it first")
+        } else if self.editable_plan().is_none() {
+            Some("Edits apply to the plan of the strategy of the setup: show the side \"After\" with it")
+        } else {
+            Some("The plan is older than the setup: calculate it first")
+        }
+    }
+
     /// Words on edits that do nothing in the last plan; `None` without any.
     pub fn unapplied_words(&self) -> Option<String> {
         match self.unapplied_edits().len() {

@@ -45,10 +45,20 @@ pub(in crate::app) struct Opened {
     pub is_flank_plan: bool,
     /// The part's file, if it is not what the run was planned with.
     pub changed_part: Option<PathBuf>,
-    /// A project, and its part, whose file does not exist.
-    pub missing_part: Option<(PathBuf, PartSource)>,
+    /// A project that is not opened yet, as its part is to be located.
+    pub missing_part: Option<MissingPart>,
     /// A mesh file whose nodes need roles first.
     pub unassigned: Option<UnassignedRoles>,
+}
+
+/// A project whose part's file does not exist.
+pub(in crate::app) struct MissingPart {
+    /// Its file, or a recovery copy.
+    pub project: PathBuf,
+    /// Its file name, of a copy that of the project that it is of.
+    pub name: String,
+    /// The part as it was.
+    pub source: PartSource,
 }
 
 /// Runs an opening task. A mesh file that is not a valid part is returned with its nodes and the error.
@@ -80,8 +90,11 @@ pub(in crate::app) fn open(
             }
             let source = instead.clone().unwrap_or_else(|| source_of(&project));
             if source.file().is_some_and(|(file, _)| !file.exists()) {
-                let missing_part = Some((path.clone(), source));
-                return Ok(Opened { missing_part, ..Opened::default() });
+                // A recovery copy is known by the project that it is of.
+                let named = project.original.as_ref().unwrap_or(path).file_name().unwrap_or_default();
+                let name = named.to_string_lossy().into_owned();
+                let missing_part = MissingPart { project: path.clone(), name, source };
+                return Ok(Opened { missing_part: Some(missing_part), ..Opened::default() });
             }
             (Some(source), None, Some((path.clone(), project)))
         }

@@ -1,7 +1,5 @@
 //! The question where the part of a project is, whose file was moved or renamed.
 
-use std::path::Path;
-
 use egui::Ui;
 
 use super::modal::{Question, choice};
@@ -15,9 +13,8 @@ pub enum MissingPartAnswer {
     Cancel,
 }
 
-/// Draws the question about the `part` of `project`; returns the answer once.
-pub fn ask(ui: &Ui, project: &Path, part: &str) -> Option<MissingPartAnswer> {
-    let name = project.file_name().unwrap_or_default().to_string_lossy();
+/// Draws the question about the `part` of the project of this `name`; returns the answer once.
+pub fn ask(ui: &Ui, name: &str, part: &str) -> Option<MissingPartAnswer> {
     let question = Question {
         id: "missing part",
         width: 420.0,

@@ -45,11 +45,8 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     let mut chosen = None;
     let is_focused = ui.data_mut(|data| data.remove_temp::<bool>(focus_key())).unwrap_or_default();
     if state.editable_plan().is_none() {
-        let why = match state.shows_undone_edits() {
-            true => "The plan still has edits that were taken back: calculate it first.",
-            false => "Edits apply to the plan of the strategy of the setup: show the side \"After\" with it.",
-        };
-        ui.label(RichText::new(why).weak());
+        let why = state.why_not_edited().unwrap_or_default();
+        ui.label(RichText::new(format!("{why}.")).weak());
         counts(ui, state);
         return None;
     }

@@ -33,7 +33,10 @@ impl App {
         };
         match show(ui, &mut self.state, points.as_deref(), search) {
             Some(CurveCommand::Cancel) => self.cancel_curve(),
-            Some(CurveCommand::Restart) => self.weighing.restart(),
+            Some(CurveCommand::Restart) => {
+                self.state.notice = None;
+                self.weighing.restart();
+            }
             Some(CurveCommand::Plan) => self.plan(),
             None => {}
         }
