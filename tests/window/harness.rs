@@ -172,6 +172,21 @@ pub fn choose_in_list(window: &mut Window, list: &str, entry: &str) {
     window.run_steps(3);
 }
 
+/// Types `text` into the field of this number among those of this name.
+pub fn type_into(window: &mut Window, (field, number): (&str, usize), text: &str) {
+    use egui::accesskit::Role;
+    use egui_kittest::kittest::Queryable;
+    let at = window.get_all_by_role_and_label(Role::SpinButton, field).nth(number).expect("a field").rect();
+    press(window, at.center());
+    window.run_steps(3);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    window.event(egui::Event::Text(text.to_owned()));
+    window.run_steps(2);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(4);
+    settle(window);
+}
+
 /// Presses keys within one frame, as in a window that is drawn slowly.
 pub fn press_at_once(window: &mut Window, keys: impl IntoIterator<Item = egui::Key>) {
     let events = keys.into_iter().flat_map(|key| {

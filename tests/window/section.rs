@@ -5,7 +5,9 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::look::PlaneOrientation;
 
 use crate::fake;
-use crate::harness::{Window, choose_in_list, labels, press, settle, snapshot_view, turn_wheel, with_sample};
+use crate::harness::{
+    Window, choose_in_list, labels, press, settle, snapshot_view, turn_wheel, type_into, with_sample,
+};
 
 /// A window with the conventional plan and its first fault selected, and the index of that position.
 fn with_fault_selected() -> (Window, usize) {
@@ -327,15 +329,7 @@ fn the_offset_of_a_plane_across_an_axis_is_its_coordinate() {
     assert_eq!(offset(&window), -20.0);
     snapshot_view(&mut window, "section_z");
     // What is beyond its ends is not taken.
-    let field = window.get_by_role_and_label(Role::SpinButton, "Section plane").rect().center();
-    press(&mut window, field);
-    window.run_steps(3);
-    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
-    window.run_steps(2);
-    window.input_mut().events.push(egui::Event::Text("5000".to_owned()));
-    window.run_steps(2);
-    window.key_press(egui::Key::Enter);
-    window.run_steps(3);
+    type_into(&mut window, ("Section plane", 0), "5000");
     assert_eq!(offset(&window), -20.0);
     window.get_by_label_contains("5000 is too much: at most ");
 }

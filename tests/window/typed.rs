@@ -9,20 +9,7 @@ use vanecut::setup::cutting_data::cutting_speed_at;
 use vanecut::setup::{MissingRates, Setup, Tool};
 
 use crate::fake;
-use crate::harness::{Window, choose_in_file_menu, click_enabled, press, settle, with_sample};
-
-/// Types `text` into the field of this number among those of this name.
-fn type_into(window: &mut Window, (field, number): (&str, usize), text: &str) {
-    let at = window.get_all_by_role_and_label(Role::SpinButton, field).nth(number).expect("a field").rect();
-    press(window, at.center());
-    window.run_steps(3);
-    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
-    window.event(egui::Event::Text(text.to_owned()));
-    window.run_steps(2);
-    window.key_press(egui::Key::Enter);
-    window.run_steps(4);
-    settle(window);
-}
+use crate::harness::{Window, choose_in_file_menu, click_enabled, press, settle, type_into, with_sample};
 
 /// A window with the form of the first tool of the setup.
 fn with_tool_form() -> Window {

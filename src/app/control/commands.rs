@@ -21,7 +21,6 @@ use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
 use crate::app::views::help::HelpPage;
 use crate::app::views::panels::edit_plunge;
-use crate::plunge::{Condition, Position};
 
 /// Why plunges take no edits while they are planned.
 const CALCULATED: &str = "Roughing is still being calculated: edit it when that is done";
@@ -106,14 +105,7 @@ impl App {
             }
             C::FlyToSelection | C::ShowInTable | C::OpenSection => self.state.selected().is_some(),
             C::EditPlunge => self.state.selected().is_some(),
-            C::DeletePlunge
-            | C::DeleteRow
-            | C::LockPlunge
-            | C::LockRow
-            | C::CutEarlier
-            | C::CutLater
-            | C::CutRowEarlier
-            | C::CutRowLater => edit_plunge::is_possible(&self.state, command),
+            _ if edit_plunge::is_edit(command) => edit_plunge::is_possible(&self.state, command),
             C::MeasureHere => self.measure_start().is_some(),
             C::Cancel => self.can_cancel() || self.state.look.measure.is_some(),
             C::Deselect => self.state.has_selection(),
@@ -137,14 +129,7 @@ impl App {
         use Command as C;
         match command {
             C::NextFault | C::PreviousFault => self.why_no_fault().map(str::to_owned),
-            C::DeletePlunge
-            | C::DeleteRow
-            | C::LockPlunge
-            | C::LockRow
-            | C::CutEarlier
-            | C::CutLater
-            | C::CutRowEarlier
-            | C::CutRowLater => {
+            _ if edit_plunge::is_edit(command) => {
                 self.state.selected()?;
                 let why = self.state.why_not_edited()?;
                 let is_planning = self.work.is_calculating(Operation::Roughing);
@@ -160,9 +145,9 @@ impl App {
             let checked = self.state.results.checked.as_ref()?;
             return checked.findings.is_empty().then_some("The program has no faults");
         }
-        let shown = self.state.shown().filter(|_| self.state.look.operation == Operation::Roughing)?;
-        let interferes = |position: &Position| position.condition() == Condition::Interfering;
-        (!shown.plan().positions.iter().any(interferes)).then_some("No plunge of this plan interferes")
+        let is_shown = self.state.look.operation == Operation::Roughing && self.state.shown().is_some();
+        (is_shown && self.state.interfering_plunges().is_empty())
+            .then_some("No plunge of this plan interferes")
     }
 
     /// Whether there is work to cancel.

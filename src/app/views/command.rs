@@ -1,6 +1,6 @@
 //! Every command of the window: one list for menus, shortcuts, tooltips and the palette.
 
-use egui::{Context, Key, KeyboardShortcut, Modifiers, Ui};
+use egui::{Context, Event, Key, KeyboardShortcut, Modifiers, Ui};
 
 use super::list_keys::take_presses;
 
@@ -237,6 +237,18 @@ impl Command {
         // Shortcuts with more modifiers first: egui also matches a shortcut when extra modifiers are held.
         let weight = |m: Modifiers| usize::from(m.shift) + usize::from(m.command) + usize::from(m.alt);
         order.sort_by_key(|(_, keys)| std::cmp::Reverse(weight(keys.modifiers)));
+        let presses: Vec<(Key, Modifiers)> = ctx.input(|input| {
+            input
+                .events
+                .iter()
+                .filter_map(|event| match event {
+                    Event::Key { key, pressed: true, modifiers, .. } => Some((*key, *modifiers)),
+                    _ => None,
+                })
+                .collect()
+        });
+        // What is available is asked of few of them.
+        order.retain(|(_, keys)| presses.iter().any(|&(key, modifiers)| is_meant(keys, key, modifiers)));
         let is_heard = |(command, keys): &(Self, KeyboardShortcut)| {
             let letter = !matches!(
                 keys.logical_key,

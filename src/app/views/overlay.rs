@@ -204,7 +204,7 @@ pub fn layers(
     let top = layers_top(rect);
     let at = Rect::from_min_max(
         rect.right_top() + egui::vec2(-68.0, top),
-        rect.right_top() + egui::vec2(-10.0, top + 30.0),
+        rect.right_top() + egui::vec2(-10.0, controls_bottom(rect)),
     );
     floating(ui, at, |ui| {
         let stay = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);

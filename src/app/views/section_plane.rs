@@ -6,9 +6,9 @@ use egui::{ComboBox, Id, Rect, Slider, Ui, Vec2};
 use glam::{Quat, Vec3};
 
 use super::overlay::{VIEW_BUTTONS, floating};
+use super::panels::fields::{self, FieldSpec};
 use super::typed::{self, TypedLimits};
 use crate::app::model::look::{Look, PlaneOrientation, SectionPlaneLook};
-use crate::app::model::number::Quantity;
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
 use crate::gpu::scene::SectionPlane;
@@ -129,27 +129,24 @@ fn section_offset(
     (units, bounds): (DisplayUnits, (Vec3, f32)),
     title: Id,
 ) {
-    let is_angle = section.across == PlaneOrientation::Meridian;
-    let show = |offset: f64| {
-        if is_angle {
-            format!("{}°", DisplayUnits::Metric.short(offset, 1))
-        } else {
-            format!("{} {}", units.short(offset, 1), units.length_unit())
-        }
-    };
     let (middle, reach) = (f64::from(section.across.middle(bounds.0.z)), f64::from(bounds.1));
-    let range = if is_angle { -180.0..=180.0 } else { middle - reach..=middle + reach };
-    let quantity = if is_angle { Quantity::Angle } else { Quantity::Length };
+    let tip = section.across.offset_tip();
+    let spec = match section.across {
+        PlaneOrientation::Meridian => FieldSpec::degrees("Offset", tip, -180.0, 180.0),
+        _ => FieldSpec::mm("Offset", tip, middle - reach, middle + reach),
+    };
+    let spec = FieldSpec { decimals: 1, ..spec };
+    let show = |offset: f64| fields::show(offset, &spec, units);
+    let (quantity, range) = (spec.quantity, spec.min..=spec.max);
     let limits = TypedLimits { quantity, units, range, why_least: "", why_most: "", show: &show };
     let (shown, typed) = (show(section.offset.into()), RefCell::default());
-    let ends = *limits.range.start() as f32..=*limits.range.end() as f32;
-    let slider = Slider::new(&mut section.offset, ends)
+    let slider = Slider::new(&mut section.offset, spec.min as f32..=spec.max as f32)
         .prefix(section.across.prefix())
         .custom_formatter(|offset, _| show(offset))
         .custom_parser(|text| limits.parse(text, &shown, &typed))
         .update_while_editing(false);
-    let response = ui.add(slider).labelled_by(title).on_hover_text(section.across.offset_tip());
-    let (form, name, offset) = (Id::unique("section plane"), "Offset", section.offset.into());
-    typed::keep(ui, form, name, offset, typed.into_inner());
-    typed::show(ui, form, name, offset, response.rect);
+    let response = ui.add(slider).labelled_by(title).on_hover_text(spec.tip);
+    let (form, offset) = (Id::unique("section plane"), section.offset.into());
+    typed::keep(ui, form, spec.label, offset, typed.into_inner());
+    typed::show(ui, form, spec.label, offset, response.rect);
 }

@@ -68,16 +68,20 @@ impl AppState {
         self.look.select_and_zoom(rows.get(next).copied());
     }
 
+    /// Indices of the interfering plunges of the shown plan, in cutting order.
+    pub fn interfering_plunges(&self) -> Vec<usize> {
+        let positions = self.shown().map_or(&[][..], |shown| &shown.plan().positions);
+        let interferes = |k: &usize| positions[*k].condition() == Condition::Interfering;
+        (0..positions.len()).filter(interferes).collect()
+    }
+
     /// Selects the next or previous interfering plunge in cutting order, with wrap-around.
     pub fn select_next_fault(&mut self, forward: bool) {
         if self.look.operation == Operation::Program {
             self.select_next_finding(if forward { 1 } else { -1 }, true);
             return;
         }
-        let Some(shown) = self.shown() else { return };
-        let positions = shown.plan().positions.iter().enumerate();
-        let faults: Vec<usize> =
-            positions.filter(|(_, p)| p.condition() == Condition::Interfering).map(|(k, _)| k).collect();
+        let faults = self.interfering_plunges();
         let Some((&first, &last)) = faults.first().zip(faults.last()) else { return };
         let next = match (self.look.selected, forward) {
             (None, true) => first,

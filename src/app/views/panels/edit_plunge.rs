@@ -109,6 +109,22 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     chosen
 }
 
+/// Whether a command edits the selected plunge or its row by hand.
+pub fn is_edit(command: Command) -> bool {
+    use Command as C;
+    matches!(
+        command,
+        C::DeletePlunge
+            | C::DeleteRow
+            | C::LockPlunge
+            | C::LockRow
+            | C::CutEarlier
+            | C::CutLater
+            | C::CutRowEarlier
+            | C::CutRowLater
+    )
+}
+
 /// Whether a command that edits the selected plunge is possible.
 pub fn is_possible(state: &AppState, command: Command) -> bool {
     use crate::app::model::plunge_edits::CuttingPlace::{Earlier, Later};

@@ -107,7 +107,7 @@ impl FieldSpec {
 }
 
 /// Number with unit, without trailing zeros.
-fn show(value: f64, spec: &FieldSpec, units: DisplayUnits) -> String {
+pub fn show(value: f64, spec: &FieldSpec, units: DisplayUnits) -> String {
     let number = |units: DisplayUnits| units.short(value, spec.decimals);
     match spec.quantity {
         Quantity::Length => format!("{} {}", number(units), units.length_unit()),
