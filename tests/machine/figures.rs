@@ -24,7 +24,7 @@ use vanecut::part::{Impeller, Workpiece};
 use vanecut::report::sheet::flank::{FlankSheetInput, flank_sheet};
 use vanecut::setup::{AxisPolicy, Setup};
 use vanecut::toolpath::{ClProgram, Motion};
-use vanecut::verify::{FaultKind, FlankVerdict, PlungeReport, report_plunges, verify_flank};
+use vanecut::verify::{FaultKind, FlankVerdict, PlungeReport, PlungeVerdict, report_plunges, verify_flank};
 
 use super::programs::{MACHINES, OUTPUTS, machine};
 
@@ -173,15 +173,15 @@ pub fn figures_of(summary: &Summary) -> Figures {
 }
 
 /// The kinds of the faults of a program.
-pub fn kinds_of(report: &PlungeReport) -> Vec<FaultKind> {
-    report.verdict.faults.iter().map(|fault| fault.kind).collect()
+pub fn kinds_of(verdict: &PlungeVerdict) -> Vec<FaultKind> {
+    verdict.faults.iter().map(|fault| fault.kind).collect()
 }
 
 #[test]
 fn figures_of_plunges_are_those_of_the_program() {
     let planned = &*PLUNGED;
     let apt = &*MEANT;
-    assert!(kinds_of(apt).contains(&FaultKind::HubAllowance), "{:?}", apt.verdict.faults);
+    assert!(kinds_of(&apt.verdict).contains(&FaultKind::HubAllowance), "{:?}", apt.verdict.faults);
     assert_eq!(apt.summary.positions, COUNT);
     // Each output of each control on one of the machines in turn; `scripts/read-back` does all on all.
     let outputs = |(control, outputs): (&'static str, &'static [OutputKind])| {
@@ -192,7 +192,7 @@ fn figures_of_plunges_are_those_of_the_program() {
         let case = format!("{name} {control} {}", output.name());
         let (nc, program) = planned.posted(&machine, control, output);
         let read = planned.plunges(&program);
-        assert_eq!(kinds_of(&read), kinds_of(apt), "{case}: {:?}", read.verdict.faults);
+        assert_eq!(kinds_of(&read.verdict), kinds_of(&apt.verdict), "{case}: {:?}", read.verdict.faults);
         compare(&case, &figures_of(&apt.summary), &figures_of(&read.summary));
         assert_eq!(nc.positions, COUNT, "{case}");
         let (meant, read) = (&apt.summary, &read.summary);

@@ -4,33 +4,27 @@ use vanecut::geometry::{Point, Vector};
 use vanecut::io::nc::{NcReading, ReadContext, read_nc, read_post};
 use vanecut::machine::{MachineTool, OutputKind, PlacedPart, StepMotion, even_turn, gauge_length};
 use vanecut::monitor::Monitor;
-use vanecut::verify::{PlungeReport, PlungeVerdict, report_plunges, verify};
+use vanecut::verify::{report_plunges, verify};
 
-use super::figures::{CELLS, MEANT, PLUNGED, figures_of};
+use super::figures::{CELLS, MEANT, PLUNGED, figures_of, kinds_of};
 use super::programs::{MACHINES, largest_difference, machine, moved, placed, plunges};
 
 /// By what a changed program is seen to be another one; `None` where nothing tells.
-pub fn found_by(
-    machine: &MachineTool,
-    control: &str,
-    text: &str,
-    meant: &PlungeReport,
-) -> Option<&'static str> {
+pub fn found_by(machine: &MachineTool, control: &str, text: &str) -> Option<&'static str> {
     let planned = &*PLUNGED;
     let reading = match read(machine, control, text) {
         Ok(reading) => reading,
         Err(by) => return Some(by),
     };
     let (workpiece, setup, monitor) = (&planned.workpiece, &planned.setup, Monitor::default());
-    let kinds = |verdict: &PlungeVerdict| verdict.faults.iter().map(|fault| fault.kind).collect::<Vec<_>>();
     // The floor is measured where the faults tell nothing.
     let verdict = verify(workpiece, setup, &reading.program, &monitor);
-    if verdict.is_ok_and(|verdict| kinds(&verdict) != kinds(&meant.verdict)) {
+    if verdict.is_ok_and(|verdict| kinds_of(&verdict) != kinds_of(&MEANT.verdict)) {
         return Some("faults");
     }
     let read = report_plunges(workpiece, setup, &reading.program, CELLS, &monitor);
     let Ok(read) = read else { return Some("faults") };
-    let figures = figures_of(&meant.summary).into_iter().zip(figures_of(&read.summary));
+    let figures = figures_of(&MEANT.summary).into_iter().zip(figures_of(&read.summary));
     let mut figures = figures.filter(|((_, meant, limit), (_, read, _))| (meant - read).abs() > *limit);
     if figures.next().is_some() {
         return Some("figures");
@@ -41,8 +35,7 @@ pub fn found_by(
 /// Whether anything tells: where the cuts are is looked at before `verify` judges them, which takes longer.
 fn is_found(machine: &MachineTool, control: &str, text: &str) -> bool {
     let is_like_planned = |reading: NcReading| !has_other_cuts(&reading);
-    !read(machine, control, text).is_ok_and(is_like_planned)
-        || found_by(machine, control, text, &MEANT).is_some()
+    !read(machine, control, text).is_ok_and(is_like_planned) || found_by(machine, control, text).is_some()
 }
 
 /// The program as it is read, or by what it is refused.
@@ -94,7 +87,7 @@ fn a_turn_or_a_retract_left_out_is_always_found() {
     ] {
         let machine = machine(name);
         let text = PLUNGED.posted(&machine, control, output).0.text;
-        assert_eq!(found_by(&machine, control, &text, &MEANT), None, "{name} {control}");
+        assert_eq!(found_by(&machine, control, &text), None, "{name} {control}");
         let lines: Vec<&str> = text.lines().collect();
         // Links in inverse time may have any number.
         let feed = PLUNGED.setup.tools[0].plunge_feed;
@@ -116,7 +109,7 @@ fn a_turn_or_a_retract_left_out_is_always_found() {
             }
             let mut changed = lines.clone();
             let retract = changed.remove(cut + 1);
-            let by = found_by(&machine, control, &changed.join("\n"), &MEANT);
+            let by = found_by(&machine, control, &changed.join("\n"));
             assert!(matches!(by, Some("faults" | "figures")), "{} by {by:?}", case(&format!("no {retract}")));
             tried[1] += 1;
         }
