@@ -1,6 +1,6 @@
 //! Entry into a row from the previous row. In front of a splitter's nose the rows beside the splitter leave a
-//! strip of stock, and a row that begins in it would have to stop short over a long distance. It is entered
-//! from the side, in steps no wider than the inserts.
+//! strip of stock, and a row that begins in it would have to stop short over a long distance; so would one that
+//! begins anew where walls turn its axis. It is entered from the side, in steps no wider than the inserts.
 
 use super::candidate::{CandidateMaker, RowCandidate};
 use super::path::PathSearch;
@@ -17,6 +17,8 @@ pub struct RowCrossing<'a> {
     pub search: &'a PathSearch<'a>,
     /// λ of the row it starts from, which is already cut.
     pub from: f64,
+    /// As [`CandidateMaker::max_side_shift`], of that row, mm.
+    pub side_shift_from: f64,
     /// s along the channel.
     pub s: f64,
 }
@@ -35,9 +37,14 @@ impl RowCrossing<'_> {
         let mut stations: Vec<Station> = Vec::with_capacity(count);
         for i in 1..=count {
             goal.monitor.check()?;
-            let lambda = self.from + (goal.lambda - self.from) * i as f64 / count as f64;
+            let share = i as f64 / count as f64;
+            let between = |from: f64, to: f64| from + (to - from) * share;
+            let lambda = between(self.from, goal.lambda);
             let maker = RowMaker { lambda, ..goal.clone() };
-            let candidates = CandidateMaker { maker: &maker, ..self.search.candidates.clone() };
+            // The axis tilts as that of the previous row at first.
+            let max_side_shift = between(self.side_shift_from, self.search.candidates.max_side_shift);
+            let candidates =
+                CandidateMaker { maker: &maker, max_side_shift, ..self.search.candidates.clone() };
             let Some((candidate, lift)) = self.best_candidate(&candidates, stations.last(), &columns) else {
                 continue;
             };
@@ -57,7 +64,7 @@ impl RowCrossing<'_> {
         let place = candidates.stage_at(self.s)?;
         let mut search = ContactSearch::default();
         let mut best: Option<(f64, RowCandidate, f64)> = None;
-        for index in (0..place.lead_count()).map(|lead| (lead, 0)) {
+        for index in place.indices(1) {
             let Some(candidate) = candidates.cleared(&place, index) else { continue };
             if !candidates.is_cleared_long_enough(&place, index) {
                 continue;

@@ -219,7 +219,7 @@ pub(super) fn rows_of_stretch(context: &PlanContext, layout: &StretchLayout, too
 
 /// Maximum displacement of W across each row without uncut stock between neighbours at the shroud, mm. It
 /// grows with the distance from the walls, as neighbouring rows may be displaced together.
-fn max_side_shifts(lane: &Lane, stretch: &PassageStretch, tool: &Tool, rows: &[f64]) -> Vec<f64> {
+pub(super) fn max_side_shifts(lane: &Lane, stretch: &PassageStretch, tool: &Tool, rows: &[f64]) -> Vec<f64> {
     let widest = (0..=8)
         .filter_map(|i| lane.width(stretch.s_at(f64::from(i) / 8.0)))
         .fold(0.0, |widest: f64, (_, shroud)| widest.max(shroud));

@@ -2,22 +2,28 @@
 //! ones, in the cutting direction that leaves less.
 
 use super::path::MINIMAL_MAX_LIFT_SHARE;
-use super::row_stages::RowStages;
-use super::rows::{CutPath, RowOf, RowPlaces, cut_path, cut_split, rows_of_stretch, with_row_search};
+use super::row_stages::{COST_OF_NEW_ROW, RowStages};
+use super::rows::{
+    CutPath, RowOf, RowPlaces, cut_path, cut_split, max_side_shifts, rows_of_stretch, with_row_search,
+};
 use super::second_pass::{OpenRow, cut_open_places};
 use super::touch_up::add_extras;
-use super::{PathSearch, RowCrossing};
+use super::{PathSearch, RowCrossing, RowPath};
 use crate::cutting::contact::Columns;
 use crate::monitor::Monitor;
 use crate::plunge::context::PlanContext;
 use crate::plunge::cut::SectionCut;
 use crate::plunge::error::PlanError;
 use crate::plunge::locked::{cut_waiting, lock_into_row};
+use crate::plunge::row::RowMaker;
 use crate::plunge::section_layout::StretchLayout;
 use crate::setup::CutDirection;
 
-/// Lift of a row's first position from which on the row is entered from the previous row, in cutter radii.
+/// Lift from which on a place of a row is entered from the previous row, in cutter radii.
 const CROSSING_RADII: f64 = 0.2;
+
+/// Maximum number of places at which a row is entered from the previous row.
+const MAX_CROSSINGS: usize = 3;
 
 /// Lower bound on the cost of a row in one direction, as a share of its lower bound in the other: the lead
 /// angles of the grid mirror each other, floor and walls are the same.
@@ -29,6 +35,9 @@ const TURNED_COST_SHARE: f64 = 0.95;
 
 /// Cost from which on the other direction is tried after rows of many places, in acceptable costs.
 const MAX_COST_OF_MANY: f64 = 2.0;
+
+/// Share of its cost that a path must save by a crossing, besides the cost of another row.
+const MIN_SAVED_SHARE: f64 = 0.02;
 
 /// A section planned in one cutting direction.
 struct DirectedPlan {
@@ -130,6 +139,45 @@ fn plan_in_direction(
     }
 }
 
+/// The path of a row. Where it would stop short the row is entered from the previous row, if that saves more
+/// than another row costs; these crossings are added to `cut`.
+fn path_with_crossings(
+    context: &PlanContext,
+    search: &PathSearch,
+    RowOf { layout, lambdas, row }: RowOf,
+    places: &RowPlaces,
+    cut: &mut SectionCut,
+    stages: &mut RowStages,
+) -> Result<RowPath, PlanError> {
+    let RowPlaces { s: places, start } = places;
+    let RowMaker { lambda, tool, monitor, .. } = search.candidates.maker;
+    let mut path = search.path(places, *start, &cut.columns, stages)?;
+    let Some(before) = row.checked_sub(1) else { return Ok(path) };
+    let mut entered: Vec<f64> = Vec::new();
+    while entered.len() < MAX_CROSSINGS
+        && let Some(s) = path.first_short(CROSSING_RADII * tool.radius(), &entered)
+    {
+        entered.push(s);
+        let side_shift_from = max_side_shifts(&layout.lane, &layout.stretch, tool, lambdas)[before];
+        let crossing = RowCrossing { search, from: lambdas[before], side_shift_from, s };
+        let (rows, columns) = (cut.rows.len(), cut.columns.len());
+        let stations = crossing.stations(&cut.columns)?;
+        let lambda = layout.stretch.lambda_in_channel(*lambda);
+        cut_split(context, stations, lambda, tool, cut, &monitor.ignoring_stop())?;
+        if cut.columns.len() == columns {
+            continue;
+        }
+        let crossed = search.path(places, *start, &cut.columns, stages)?;
+        if path.cost - crossed.cost > COST_OF_NEW_ROW.max(MIN_SAVED_SHARE * path.cost) {
+            path = crossed;
+        } else {
+            cut.rows.truncate(rows);
+            cut.columns.truncate(columns);
+        }
+    }
+    Ok(path)
+}
+
 /// Plans row after row into `directed`; `false` when it exceeds `limit`. Its rows are complete even when
 /// this ends early.
 fn plan_rows(
@@ -156,18 +204,8 @@ fn plan_rows(
             let row_of = RowOf { layout, lambdas: &lambdas, row };
             let lambda = stretch.lambda_in_channel(lambda);
             let best = with_row_search(context, index, row_of, feed, monitor, |search, places| {
-                let RowPlaces { s: places, start } = places;
                 stages.next_row();
-                let mut path = search.path(places, *start, &cut.columns, &mut stages)?;
-                if let Some(first) = path.steps.first()
-                    && row > 0
-                    && first.lift > CROSSING_RADII * tool.radius()
-                {
-                    let s = first.station.ends.s_hub;
-                    let crossing = RowCrossing { search, from: lambdas[row - 1], s };
-                    cut_split(context, crossing.stations(&cut.columns)?, lambda, tool, cut, closing)?;
-                    path = search.path(places, *start, &cut.columns, &mut stages)?;
-                }
+                let path = path_with_crossings(context, search, row_of, places, cut, &mut stages)?;
                 *acceptable_cost += path.acceptable_cost;
                 min_costs.push(path.min_cost);
                 let best = cut_path(context, path, search, lambda, &cut.columns, closing)?;
@@ -176,7 +214,7 @@ fn plan_rows(
                 }
                 let search = PathSearch { is_strict: true, candidates: search.candidates.clone(), ..*search };
                 let limit = best.cost + stages.cost_beside_layers();
-                match search.path_below(places, *start, &cut.columns, &mut stages, limit) {
+                match search.path_below(&places.s, places.start, &cut.columns, &mut stages, limit) {
                     Ok(None) => {}
                     Ok(Some(path)) => {
                         let strict = cut_path(context, path, &search, lambda, &cut.columns, closing)?;
@@ -208,4 +246,63 @@ fn plan_rows(
     }
     cut_waiting(context, index, waiting, cut, closing)?;
     Ok(true)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::part_file::read_part_bytes;
+    use crate::part::Impeller;
+    use crate::plunge::opening_section::plan_context;
+    use crate::plunge::row_density::RowDensity;
+    use crate::setup::{SectionKind, SectionSetup, Setup, Tool};
+
+    const DEEP: &str = include_str!("../../../tests/data/deep_wheel.toml");
+
+    /// The last row of the first lane is beside a splitter, whose side turns its axes so far in the middle of
+    /// the row that it begins anew there.
+    #[test]
+    fn a_row_that_begins_anew_in_full_stock_is_entered_from_the_side() {
+        let description = read_part_bytes("deep.toml", DEEP.as_bytes(), "toml").expect("readable");
+        let part = Impeller::build(&description).expect("an impeller");
+        let cutter = Tool {
+            number: 1,
+            diameter: 6.0,
+            corner_radius: 0.0,
+            insert_width: 2.7,
+            overhang: 95.0,
+            plunge_feed: 300.0,
+            spindle: 3000.0,
+            assembly: Default::default(),
+        };
+        let mut setup = Setup { tools: vec![cutter], ..Setup::default() };
+        setup.plunge.max_axis_change_rad = 8.67f64.to_radians();
+        setup.plunge.sections =
+            vec![SectionSetup { tool: 1, from: 1.0, to: 0.8, cut_direction: None, kind: SectionKind::Rows }];
+        let workpiece = setup.allowances.workpiece_of(part);
+        let context = plan_context(&workpiece, &setup, RowDensity::Dense);
+        let layout = &context.layouts(0).expect("the cutter fits")[0];
+        let lambdas = rows_of_stretch(&context, layout, &setup.tools[0]);
+        let (feed, monitor) = (CutDirection::OutletToInlet, Monitor::default());
+        let mut cut = SectionCut::empty(feed, context.opening.clone());
+        // The last row and the one before it: how far their plunges stop short with and without crossings, mm.
+        let [_, (without, with)] = [lambdas.len() - 2, lambdas.len() - 1].map(|row| {
+            let row_of = RowOf { layout, lambdas: &lambdas, row };
+            with_row_search(&context, 0, row_of, feed, &monitor, |search, places| {
+                let mut stages = RowStages::default();
+                let path = search.path(&places.s, places.start, &cut.columns, &mut stages).expect("a path");
+                let without = path.highest_lift();
+                let path = path_with_crossings(&context, search, row_of, places, &mut cut, &mut stages);
+                let path = path.expect("a path");
+                let with = path.highest_lift();
+                let row = cut_path(&context, path, search, lambdas[row], &cut.columns, &monitor);
+                cut.columns = row.expect("a row").columns;
+                (without, with)
+            })
+            .expect("not cancelled")
+        });
+        let radius = setup.tools[0].radius();
+        assert!(without > radius, "the row is free from its start: {without} mm");
+        assert!(with < 0.1 * radius, "plunges stop {with} mm short");
+    }
 }
