@@ -271,4 +271,11 @@ impl ClProgram {
         let begins = |&k: &usize| is_first(k) || is_rapid(k - 1) && !is_first(k - 1) && !is_rapid(k - 2);
         (0..moves.len()).filter(|&k| is_rapid(k)).filter(begins).collect()
     }
+
+    /// The values at the ends of the plunges, of one value for `each_move`. A plunge ends before the next one
+    /// starts.
+    pub fn at_plunge_ends(&self, each_move: &[f64]) -> Vec<f64> {
+        let ends = self.plunge_starts().into_iter().skip(1).chain([self.moves.len()]);
+        ends.filter_map(|end| each_move.get(end.checked_sub(1)?).copied()).collect()
+    }
 }

@@ -34,10 +34,7 @@ impl Travel {
 
     /// Time from the start of a program of plunges to the end of each plunge, s.
     pub fn plunge_clock(program: &ClProgram) -> Vec<f64> {
-        let moves = Self::clock(program);
-        // A plunge ends before the next one starts.
-        let ends = program.plunge_starts().into_iter().skip(1).chain([moves.len()]);
-        ends.filter_map(|end| moves.get(end.checked_sub(1)?).copied()).collect()
+        program.at_plunge_ends(&Self::clock(program))
     }
 
     /// Sums of all moves with a tool.

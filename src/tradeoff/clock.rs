@@ -50,6 +50,16 @@ impl PlanClock {
         self.section_times(plan).map(|times| MachineTime::of_sections(&times))
     }
 
+    /// Time from the start of the program of `plan` to the end of each plunge, s: on the machine, where that
+    /// can run it, else without accelerations and tool changes.
+    pub fn plunge_clock(&self, plan: &PlungePlan) -> Vec<f64> {
+        let program = ClProgram::of_plan("", plan);
+        match self.timing().and_then(|machine| machine.move_clock(&program)) {
+            Some(moves) => program.at_plunge_ends(&moves),
+            None => Travel::plunge_clock(&program),
+        }
+    }
+
     /// Time of `program`, s: on the machine, or `None` where it cannot run that; without a machine without
     /// accelerations and tool changes.
     pub fn program_time_s(&self, program: &ClProgram) -> Option<f64> {

@@ -10,7 +10,11 @@ use vanecut::app::model::machine::ProgramOnMachine;
 use vanecut::app::model::panels::DockPanel;
 use vanecut::drawing::machine::{PosedMachine, head_mesh};
 use vanecut::geometry::{Vector, rotate_vector_z};
-use vanecut::machine::MachineTime;
+use vanecut::io::machine_file::read_machine;
+use vanecut::job::PlanOutcome;
+use vanecut::machine::{MachineClock, MachineTime};
+use vanecut::toolpath::{ClProgram, Travel};
+use vanecut::tradeoff::PlanClock;
 
 use crate::fake;
 use crate::flank::plan_flank;
@@ -218,6 +222,26 @@ fn a_machine_that_cannot_run_the_plan_says_why() {
     choose(&mut window, "None");
     assert!(window.state().state().results.on_machine.is_none());
     assert_eq!(words(&window, "A would have to be"), None);
+}
+
+#[test]
+fn colours_by_time_have_the_clock_of_the_machine() {
+    let (engine, _) = fake::engine();
+    let timed = |outcome: &mut PlanOutcome| {
+        let machine = read_machine("ac-trunnion".as_ref()).expect("known");
+        let clock = MachineClock::new(machine, &outcome.workpiece, &outcome.setup.allowances);
+        outcome.clock = PlanClock::new(Some(clock)).into();
+    };
+    let mut window = with_sample(fake::with_changed_plans(engine, timed));
+    window.set_size(egui::vec2(1280.0, 1000.0));
+    window.run_steps(3);
+    choose(&mut window, "ac-trunnion");
+    let state = window.state().state();
+    let (shown, (_, whole)) = (state.shown().expect("planned"), state.clock().expect("known"));
+    let last = shown.planned.time_after(shown.policy, state.position_count()).expect("known");
+    assert!((last - whole).abs() < 1e-6, "{last} s, and {whole} s on the timeline");
+    let program = ClProgram::of_plan("", shown.plan());
+    assert!(last > 1.01 * Travel::from_program(&program).time, "with accelerations: {last} s");
 }
 
 #[test]

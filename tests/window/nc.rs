@@ -152,10 +152,15 @@ fn a_plan_is_exported_for_the_machine_of_the_setup() {
     let counted = format!(": {blocks} blocks without comments for bc-trunnion");
     assert!(notice.contains(&counted), "{notice}");
     let page = sheet(&mut window, folder.path());
-    assert!(page.contains(
-        "<code>wheel.mpf</code> (NC code for bc-trunnion, control siemens, part turned over by half a turn \
-             about its X), for all 2 channels"
-    ));
+    let (_, after) = page
+        .split_once(
+            "<code>wheel.mpf</code> (NC code for bc-trunnion, control siemens, part turned over by half a turn \
+             about its X, ",
+        )
+        .expect("the program is named");
+    let (minutes, after) = after.split_once(" min), for all 2 channels").expect("with its time");
+    assert!(minutes.parse::<f64>().expect("a number") > 0.0 && !after.is_empty(), "{minutes}");
+    assert!(page.contains("NC programs take the time that stands beside their names."), "{page}");
     // A check reads it for the same machine and control.
     window.state_mut().open_path(path);
     settle(&mut window);
@@ -359,11 +364,11 @@ fn the_flank_plan_is_exported_as_well() {
     window.state_mut().look_mut().operation = Operation::Flank;
     let page = sheet(&mut window, folder.path());
     let control = format!(
-        "<code>flank.h</code> (NC code for ac-trunnion, control {}, part turned over by half a turn about its X)",
+        "<code>flank.h</code> (NC code for ac-trunnion, control {}, part turned over by half a turn about its X, ",
         target.control
     );
     assert!(page.contains(&control) && !page.contains(".apt"), "{page}");
-    assert!(page.contains("for one channel"));
+    assert!(page.contains(" min), for one channel"), "its time stands beside it: {page}");
     assert!(page.contains(&format!("<b>T{}</b>", outcome.plan.tool.number)));
     let (_, layers) = page.split_once("<h2>Layers</h2>").expect("a table of layers");
     let rows = layers.split("</table>").next().expect("its end").matches("<tr><td>").count();

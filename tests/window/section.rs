@@ -2,7 +2,7 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
-use vanecut::app::model::look::PlaneOrientation;
+use vanecut::app::model::look::{DrawingPart, PlaneOrientation, SectionalLook};
 
 use crate::fake;
 use crate::harness::{
@@ -96,17 +96,22 @@ fn the_cut_can_be_chosen_zoomed_and_enlarged() {
     let at = window.get_by_label(&name).rect().center();
     window.hover_at(at);
     turn_wheel(&mut window, 240.0, 12);
-    let zoom = window.state().state().look.sectional.zoom;
+    let zoom = window.state().state().look.sectional.docked.zoom;
     assert!(zoom > 1.5, "zoomed: {zoom}");
     window.get_by_label("Fit cut").click();
     window.run_steps(3);
-    assert_eq!(window.state().state().look.sectional.zoom, 1.0);
+    assert_eq!(window.state().state().look.sectional.docked.zoom, 1.0);
     let small = window.get_by_label(&name).rect();
     window.get_by_label("Enlarge").click();
     window.run_steps(4);
     let large = window.get_by_label(&format!("Enlarged sectional view through position {}", k + 1)).rect();
     assert!(large.area() > 2.0 * small.area(), "{large} for {small}");
     snapshot_view(&mut window, "section_enlarged");
+    window.hover_at(large.center());
+    turn_wheel(&mut window, 240.0, 12);
+    let SectionalLook { docked, enlarged, .. } = window.state().state().look.sectional;
+    assert!(enlarged.zoom > 1.5, "zoomed: {}", enlarged.zoom);
+    assert_eq!(docked, DrawingPart::default(), "each drawing has a part of its own");
 }
 
 #[test]
@@ -372,7 +377,7 @@ fn the_sectional_view_shows_shank_and_holder_when_it_is_zoomed_out() {
     for _ in 0..3 {
         turn_wheel(&mut window, -240.0, 12);
     }
-    let zoom = window.state().state().look.sectional.zoom;
+    let zoom = window.state().state().look.sectional.enlarged.zoom;
     assert!(zoom < 0.3, "the whole tool: {zoom}");
     snapshot_view(&mut window, "section_holder");
 }

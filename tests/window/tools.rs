@@ -12,7 +12,7 @@ use vanecut::setup::FlankStrategy;
 
 use crate::dialogs::press_enter;
 use crate::fake;
-use crate::harness::{Window, click_enabled, labels, press, settle, with_sample};
+use crate::harness::{Window, click_enabled, labels, press, settle, type_into, with_sample};
 
 fn set_step(window: &mut Window, step: f64) {
     window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(step);
@@ -251,8 +251,11 @@ fn the_shank_and_holder_of_a_tool_are_edited_beside_its_drawing() {
     window.get_by_role_and_label(Role::SpinButton, "Teeth").set_value_accesskit(3.0);
     window.run_steps(3);
     settle(&mut window);
-    let tool = &window.state().state().document.edited.setup.tools[0];
-    assert_eq!(tool.assembly.teeth, Some(3));
+    let teeth = |window: &Window| window.state().state().document.edited.setup.tools[0].assembly.teeth;
+    assert_eq!(teeth(&window), Some(3));
+    type_into(&mut window, ("Teeth", 0), "5.9");
+    assert_eq!(teeth(&window), Some(3), "not a whole number");
+    window.get_by_label_contains("“5.9” is not a whole number");
     // What the form leaves can be saved and opened.
     let setup = &window.state().state().document.edited.setup;
     let text = vanecut::io::write_setup(setup);

@@ -341,19 +341,28 @@ pub struct Look {
 }
 
 /// Display of the sectional view.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SectionalLook {
     /// Its plane; `None`: through the deepest contact where the core meets stock, else along the row.
     pub plane: Option<CutPlane>,
+    /// Part of the drawing beside the figures of the position.
+    pub docked: DrawingPart,
+    /// Part of the enlarged drawing.
+    pub enlarged: DrawingPart,
+}
+
+/// The part of a drawing that is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawingPart {
     /// Magnification; 1 shows all that matters.
     pub zoom: f64,
     /// Shift of the drawing to the right and down, points at zoom 1.
     pub pan: [f64; 2],
 }
 
-impl Default for SectionalLook {
+impl Default for DrawingPart {
     fn default() -> Self {
-        Self { plane: None, zoom: 1.0, pan: [0.0; 2] }
+        Self { zoom: 1.0, pan: [0.0; 2] }
     }
 }
 

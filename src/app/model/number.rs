@@ -1,6 +1,8 @@
 //! Parser of typed numbers: arithmetic (`30/4`), units, decimal comma. Recursive descent over sum, product
 //! and atom.
 
+use crate::geometry::without_conversion_error;
+
 /// What a typed number measures, which decides the units that may follow it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
@@ -82,7 +84,13 @@ pub fn parse(text: &str, quantity: Quantity) -> Option<f64> {
     };
     let number = number.trim().replace(',', ".").replace('−', "-");
     let mut rest = number.as_bytes();
-    let value = sum(&mut rest, 0)? * factor;
+    let number = sum(&mut rest, 0)?;
+    let value = match quantity {
+        // Degrees have no short decimals for radians.
+        Quantity::Angle => number * factor,
+        _ if factor == 1.0 => number,
+        _ => without_conversion_error(number * factor),
+    };
     let is_one = rest.is_empty() && value.is_finite();
     (is_one && (quantity != Quantity::Count || value.fract() == 0.0)).then_some(value)
 }
@@ -224,6 +232,7 @@ mod tests {
             let parsed = parse(text, quantity).unwrap_or_else(|| panic!("{text} is a number"));
             assert!((parsed - value).abs() < 1e-12, "{text:?}: {parsed}");
         }
+        assert_eq!(parse("1.5 in", Length), Some(38.1), "without the error of converting it");
         assert!((parse("0.5 rad", Angle).unwrap_or_default() - 28.647_889_756_541_16).abs() < 1e-12);
     }
 

@@ -9,7 +9,6 @@ use crate::setup::{AllowanceSetup, AxisPolicy, SectionSetup, Setup, Tool};
 use crate::stock::{
     FieldCutter, FieldProgram, FloorGrid, FloorLevel, FloorLevels, ResidualField, field_cutters,
 };
-use crate::toolpath::{ClProgram, Travel};
 
 use crate::app::model::units::DisplayUnits;
 
@@ -150,7 +149,7 @@ impl DisplayPlan {
             policy: result.plan.policy,
             stock: result.plan.positions.iter().map(|p| stock_under(&outcome, result, p)).collect(),
             program: program_of(field_cutters(&result.plan), floor, known),
-            clock: Travel::plunge_clock(&ClProgram::of_plan("", &result.plan)),
+            clock: outcome.clock.plunge_clock(&result.plan),
         };
         let policies = outcome.policies().into_iter().map(display).collect();
         let range = colour_range(&outcome.grid, [&outcome.before.field, &outcome.after.field]);

@@ -198,8 +198,9 @@ impl ShopLibrary {
         self.found = None;
     }
 
-    /// Adds a copy of tool `index` under a number and offsets of its own, and selects it.
-    pub fn copy(&mut self, index: usize) {
+    /// Adds a copy of tool `index` under a number and offsets of its own, and selects it. A search that does
+    /// not leave it ends.
+    pub fn copy(&mut self, index: usize, units: DisplayUnits) {
         let Some(mut copy) = self.content.tools.get(index).map(|entry| LibraryTool::clone(entry)) else {
             return;
         };
@@ -208,7 +209,11 @@ impl ShopLibrary {
         // Those of the other tool, whatever they are; without them the number of the tool counts.
         (copy.tool.assembly.length_offset, copy.tool.assembly.diameter_offset) = (None, None);
         self.edit(|library| library.tools.push(Arc::new(copy)));
-        self.selected = Some(self.content.tools.len() - 1);
+        let added = self.content.tools.len() - 1;
+        if !self.search(units).contains(&added) {
+            self.search.clear();
+        }
+        self.selected = Some(added);
         self.history.add(&self.content);
     }
 
@@ -413,11 +418,26 @@ mod tests {
     fn what_is_shown_follows_search_and_changes() {
         let mut library = ShopLibrary::default();
         let all = library.shown(DisplayUnits::Metric).len();
-        library.copy(0);
+        library.copy(0, DisplayUnits::Metric);
         assert_eq!(library.shown(DisplayUnits::Metric).len(), all + 1);
         library.search = "t1 ".to_owned();
         let few = library.shown(DisplayUnits::Metric).len();
         assert!(few > 0 && few < all);
+    }
+
+    #[test]
+    fn a_copy_is_in_the_list() {
+        let mut library = ShopLibrary::default();
+        let number = format!("t{} ", library.content().tools[40].tool.number);
+        for (search, kept) in [("", ""), ("Ø", "Ø"), (&*number, "")] {
+            library.search = search.to_owned();
+            let first = library.shown(DisplayUnits::Metric)[0];
+            library.copy(first, DisplayUnits::Metric);
+            let added = library.content().tools.len() - 1;
+            assert_eq!((library.selected, &*library.search), (Some(added), kept), "{search}");
+            assert!(library.shown(DisplayUnits::Metric).contains(&added), "{search}");
+            assert_eq!(library.selected, Some(added), "it stays selected");
+        }
     }
 
     #[test]
@@ -428,7 +448,7 @@ mod tests {
             library.other_numbers.insert(last + 1);
             Arc::make_mut(&mut library.tools[0]).tool.assembly.length_offset = Some(107);
         });
-        library.copy(0);
+        library.copy(0, DisplayUnits::Metric);
         let copy = &library.content().tools.last().expect("a copy").tool;
         assert_eq!((copy.number, copy.length_offset_number()), (last + 2, last + 2));
         // So has one that a setup takes beside another tool of its number.
@@ -450,7 +470,7 @@ mod tests {
     #[test]
     fn tools_have_the_numbers_that_they_got_in_the_file() {
         let mut library = ShopLibrary::default();
-        library.copy(0);
+        library.copy(0, DisplayUnits::Metric);
         let given = library.content().clone();
         let mut written = given.clone();
         written.edit(&[], |tools| Arc::make_mut(&mut tools.tools[0]).tool.renumber(4711));

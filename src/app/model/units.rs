@@ -2,6 +2,7 @@
 //! in mm and mm/min. All texts with a length or a feed rate come from here.
 
 use super::number::{self, Quantity, with_minus_signs};
+use crate::geometry::without_conversion_error;
 
 /// Length of an inch, mm.
 const INCH_MM: f64 = 25.4;
@@ -55,7 +56,7 @@ impl DisplayUnits {
     pub fn to_mm(self, shown: f64) -> f64 {
         match self {
             Self::Metric => shown,
-            Self::Inch => shown * INCH_MM,
+            Self::Inch => without_conversion_error(shown * INCH_MM),
         }
     }
 

@@ -92,12 +92,11 @@ fn run(request: &MachineRequest) -> Result<ProgramOnMachine, InputError> {
             (Vec::new(), Vec::new(), Some((error.message, error.help)))
         }
     };
-    let mut clock = Vec::with_capacity(steps.len());
-    for end in steps.iter().filter(|_| fault.is_none()) {
-        // A step without a move takes no time.
-        let before = clock.last().copied().unwrap_or(0.0);
-        clock.push(end.and_then(|end| moves.get(end).copied()).unwrap_or(before));
-    }
+    let clock = match &request.program {
+        _ if fault.is_some() => Vec::new(),
+        TimelineProgram::Plunges(..) => program.at_plunge_ends(&moves),
+        _ => times_of_steps(&steps, &moves),
+    };
     let at = |index: usize| axis_positions(&machine, &program, index, (*poses.get(index)?)?);
     let first = match request.program {
         TimelineProgram::Flank(_) => steps.first().copied().flatten(),
@@ -113,6 +112,17 @@ fn run(request: &MachineRequest) -> Result<ProgramOnMachine, InputError> {
         _ => Vec::new(),
     };
     Ok(ProgramOnMachine { machine, placed, blank, start, ends, clock, fault, demands })
+}
+
+/// Time from the start of a program to the end of each of `steps`, by that of each of its `moves`, s. A step
+/// without a move takes no time.
+fn times_of_steps(steps: &[Option<usize>], moves: &[f64]) -> Vec<f64> {
+    let mut now = 0.0;
+    let ends = steps.iter().map(|end| {
+        now = end.and_then(|end| moves.get(end).copied()).unwrap_or(now);
+        now
+    });
+    ends.collect()
 }
 
 /// What a position asks of the axes.

@@ -17,7 +17,7 @@ use crate::io::nc::read_post;
 use crate::job::flank::FlankOutcome;
 use crate::job::flank_channels::FlankProgram;
 use crate::job::post::{PostFault, PostRequest, PostedProgram, post_program};
-use crate::machine::{BlankSize, ChannelCalls, INSTEAD_OF_CALLS, INSTEAD_OF_PLANES, PlacedPart};
+use crate::machine::{BlankSize, ChannelCalls, INSTEAD_OF_CALLS, INSTEAD_OF_PLANES};
 use crate::monitor::{Cancelled, Monitor};
 use crate::report::sheet::ProgramFile;
 use crate::setup::{AxisPolicy, ChannelSetup, Tool};
@@ -240,17 +240,17 @@ impl NcTask {
         self.target.is_subprogram.then(|| ChannelCalls::for_channels(channels, count, sequence))
     }
 
-    /// The program as a file of this `name`, with its part as `placed`.
-    fn file(&self, name: String, placed: &PlacedPart) -> ProgramFile {
+    /// The program as a file of this `name`.
+    fn file(&self, name: String, posted: &PostedProgram) -> ProgramFile {
         let PostTarget { machine, control, .. } = &self.target;
         let [machine, control] = [machine, control].map(|name| short_name(name));
         let calls = self.calls();
         let is_called_for_each_channel = matches!(calls, Some(ChannelCalls::EachChannel { .. }));
         let calls = calls.and_then(ChannelCalls::words);
         let calls = calls.map_or_else(String::new, |words| format!(", subprogram {words}"));
-        let lies: String = placed.comments().iter().map(|comment| format!(", {comment}")).collect();
+        let lies: String = posted.placed.comments().iter().map(|comment| format!(", {comment}")).collect();
         let about = format!("NC code for {machine}, control {control}{calls}{lies}");
-        ProgramFile { name, about, is_called_for_each_channel }
+        ProgramFile { name, about, time_s: Some(posted.time_s()), is_called_for_each_channel }
     }
 }
 
@@ -311,7 +311,8 @@ pub(super) fn nc_text(path: &Path, content: &NcTask, monitor: &Monitor) -> Resul
     let calls = calls.map_or_else(String::new, |words| format!("; {words}"));
     let about = format!(": {blocks} for {}, {time}{calls}{faults}", short_name(&content.target.machine));
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(NcText { text: posted.written.text, about, file: content.file(name, &posted.placed) })
+    let file = content.file(name, &posted);
+    Ok(NcText { text: posted.written.text, about, file })
 }
 
 /// Posts a program, with what to say of its faults. Moves are named in messages by their numbers.

@@ -331,9 +331,7 @@ pub(super) const VIEW_BUTTONS: Vec2 = egui::vec2(66.0, 54.0);
 /// Buttons of the most used views, in the lower right corner of the view.
 pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
     let mut chosen = None;
-    let corner = rect.right_bottom() - VIEW_BUTTONS - egui::vec2(10.0, 10.0);
-    let at = Rect::from_min_size(corner, VIEW_BUTTONS);
-    floating(ui, at, |ui| {
+    floating(ui, view_buttons_rect(rect), |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         for (name, command) in [("Wheel", Command::ViewIso), ("Channel", Command::ViewChannel)] {
             let button = egui::Button::new(name).min_size(egui::vec2(58.0, 22.0));
@@ -346,10 +344,15 @@ pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
     chosen
 }
 
+/// The buttons of the most used views in the view `rect`.
+pub fn view_buttons_rect(rect: Rect) -> Rect {
+    Rect::from_min_size(rect.right_bottom() - VIEW_BUTTONS - egui::vec2(10.0, 10.0), VIEW_BUTTONS)
+}
+
 /// Points and distance of a measurement, whose text stands above what is `taken`.
 pub fn measurement(
     ui: &Ui,
-    (rect, taken): (Rect, Rect),
+    (rect, taken): (Rect, [Rect; 2]),
     camera: &Camera,
     points: &[glam::Vec3],
     under: Option<glam::Vec3>,
@@ -375,10 +378,15 @@ pub fn measurement(
     let at = egui::pos2(rect.center().x, rect.max.y - 24.0);
     let galley = painter.layout_no_wrap(text, FontId::proportional(13.0), ui.visuals().strong_text_color());
     let back = Rect::from_center_size(at, galley.size() + egui::vec2(12.0, 6.0));
-    let raised = if back.intersects(taken) { back.bottom() - taken.top() + 4.0 } else { 0.0 };
-    let back = back.translate(egui::vec2(0.0, -raised));
+    let back = raised_above(back, &taken);
     painter.rect_filled(back, 4.0, theme::overlay(ui.visuals()));
     painter.galley(back.min + egui::vec2(6.0, 3.0), galley, Color32::PLACEHOLDER);
+}
+
+/// The rectangle, raised above those that are `taken` and would cover it.
+fn raised_above(back: Rect, taken: &[Rect]) -> Rect {
+    let above = taken.iter().filter(|taken| back.intersects(**taken)).map(|taken| taken.top() - 4.0);
+    back.translate(egui::vec2(0.0, above.fold(back.bottom(), f32::min) - back.bottom()))
 }
 
 /// Distance of two points with its components.
@@ -408,4 +416,20 @@ pub fn fault_mark(ui: &Ui, visible: Rect, rect: Rect, camera: &Camera, finding: 
 pub fn message(ui: &Ui, rect: Rect, text: &str) {
     let colour: Color32 = ui.visuals().weak_text_color();
     ui.painter_at(rect).text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(14.0), colour);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_stands_above_all_that_is_taken() {
+        let rect =
+            |x: f32, y: f32, width: f32| Rect::from_min_size(egui::pos2(x, y), egui::vec2(width, 20.0));
+        let back = rect(100.0, 100.0, 80.0);
+        let (beside, low, high) = (rect(200.0, 95.0, 60.0), rect(160.0, 110.0, 60.0), rect(60.0, 90.0, 60.0));
+        assert_eq!(raised_above(back, &[beside, Rect::NOTHING]), back);
+        assert_eq!(raised_above(back, &[low, beside]).bottom(), 106.0);
+        assert_eq!(raised_above(back, &[low, high]).bottom(), 86.0);
+    }
 }

@@ -5,7 +5,7 @@ use egui::{CentralPanel, RichText, ScrollArea, Ui};
 
 use crate::app::App;
 use crate::app::model::file_purpose::Purpose;
-use crate::app::model::look::{Operation, Tab};
+use crate::app::model::look::{DrawingPart, Operation, SectionalLook, Tab};
 use crate::app::model::panels::DockPanel;
 use crate::app::views::command::Command;
 use crate::app::views::panels;
@@ -188,7 +188,8 @@ impl App {
             Tab::Section => {
                 let plane = self.state.cut_plane();
                 let can_enlarge = !self.state.look.panels.is_open(DockPanel::SectionalView);
-                if panels::section::controls(ui, &mut self.state.look.sectional, plane, can_enlarge) {
+                let look = &mut self.state.look.sectional;
+                if panels::section::controls(ui, (&mut look.plane, &mut look.docked), plane, can_enlarge) {
                     self.state.look.panels.open(DockPanel::SectionalView);
                 }
                 let least = panels::section::height(ui.ctx().content_rect().height());
@@ -196,7 +197,7 @@ impl App {
                     (fill_height - ui.min_rect().height() - BELOW_SECTION).max(least)
                 });
                 let name = format!("Sectional view through position {}", k + 1);
-                if !self.section(ui, k, &name, height) {
+                if !self.section(ui, k, (&name, |look| &mut look.docked), height) {
                     // Reserve the height, so that nothing jumps when the view arrives.
                     ui.allocate_space(egui::vec2(ui.available_width(), height));
                 }
@@ -205,7 +206,13 @@ impl App {
     }
 
     /// The sectional view through position `k`, `height` points high; `false` while there is none yet.
-    fn section(&mut self, ui: &mut Ui, k: usize, name: &str, height: f32) -> bool {
+    fn section(
+        &mut self,
+        ui: &mut Ui,
+        k: usize,
+        (name, part): (&str, fn(&mut SectionalLook) -> &mut DrawingPart),
+        height: f32,
+    ) -> bool {
         let plane = self.state.cut_plane();
         let Some(selected) = self.state.selected() else { return true };
         let Some((of, view)) = self.inspected.section() else { return false };
@@ -213,8 +220,8 @@ impl App {
         // The figures are those of the drawing, until that of the selected position is there.
         let drawn = self.state.shown().and_then(|shown| shown.plan().positions.get(of));
         let position = drawn.unwrap_or(selected).clone();
-        let look = &mut self.state.look.sectional;
-        panels::section::show(ui, name, (&view, &position), look, stale, height);
+        let part = part(&mut self.state.look.sectional);
+        panels::section::show(ui, name, (&view, &position), part, stale, height);
         true
     }
 
@@ -222,9 +229,11 @@ impl App {
     pub(in crate::app) fn large_section(&mut self, ui: &mut Ui) {
         let Some(k) = self.state.look.selected else { return };
         let plane = self.state.cut_plane();
-        panels::section::controls(ui, &mut self.state.look.sectional, plane, false);
+        let look = &mut self.state.look.sectional;
+        panels::section::controls(ui, (&mut look.plane, &mut look.enlarged), plane, false);
         let height = (ui.available_height() - BELOW_SECTION).max(120.0);
-        self.section(ui, k, &format!("Enlarged sectional view through position {}", k + 1), height);
+        let name = format!("Enlarged sectional view through position {}", k + 1);
+        self.section(ui, k, (&name, |look| &mut look.enlarged), height);
     }
 }
 

@@ -39,7 +39,7 @@ const SPINDLE: FieldSpec = FieldSpec {
 const TEETH: FieldSpec = FieldSpec {
     label: "Teeth",
     tip: "Number of teeth; with it the feed rate of a plunge follows its engagement",
-    quantity: Quantity::Plain,
+    quantity: Quantity::Count,
     min: 1.0,
     max: MAX_TEETH as f64,
     speed: 0.1,

@@ -286,7 +286,8 @@ impl App {
             let under = self.hover.as_ref().and_then(|hover| hover.hit.point);
             let bar = self.state.look.section.map_or(Rect::NOTHING, |_| section_bar_rect(whole));
             for pane in panes {
-                overlay::measurement(ui, (pane.rect, bar), &camera, &points, under);
+                let taken = [bar, overlay::view_buttons_rect(whole)];
+                overlay::measurement(ui, (pane.rect, taken), &camera, &points, under);
             }
         }
         if roughing {

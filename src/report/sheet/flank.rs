@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use super::wheel::{CalledProgram, WheelLine, WheelTime};
 use super::{
-    MAX_FAULTS, ProgramFile, SheetPart, faults_text, heading_of, is_called_for_each_channel, page,
-    program_files, tool_card, tool_warnings, warning_list,
+    MAX_FAULTS, ProgramFile, SheetPart, faults_text, heading_of, is_called_for_each_channel,
+    other_times_text, page, program_files, tool_card, tool_warnings, warning_list,
 };
 use crate::flank::UncutLength;
 use crate::flank::choice::overhang_note;
@@ -133,6 +133,7 @@ fn program_text(input: &FlankSheetInput) -> String {
         ),
         None => String::new(),
     };
+    let time_s = if is_called_for_each_channel(files) { outcome.time_s() } else { program.time_s() };
     let order = match program.channels {
         1 => String::new(),
         _ => {
@@ -141,7 +142,7 @@ fn program_text(input: &FlankSheetInput) -> String {
     };
     format!(
         "<h2>Program</h2>\n<p>{}, for {}{order}; checked as written: {faults}.</p>\n<p>{walls}{:.0} mm of \
-         passes, {:.0} mm of links, {:.0} mm in rapid; {}{:.1} min per channel{}.</p>\n",
+         passes, {:.0} mm of links, {:.0} mm in rapid; {}{:.1} min per channel{}.{}</p>\n",
         program_files(files, "flank plan"),
         channels_text(program.channels),
         program.times.cut_length,
@@ -150,6 +151,7 @@ fn program_text(input: &FlankSheetInput) -> String {
         program_time_text(program),
         outcome.time_s() / 60.0,
         wheel_text(outcome, files),
+        other_times_text(files, time_s),
     )
 }
 

@@ -56,12 +56,14 @@ pub struct SheetInput<'a> {
 }
 
 /// A file with a plan or its program.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ProgramFile {
     /// Its name.
     pub name: String,
     /// What it is: the kind of file, and for which machine and control.
     pub about: String,
+    /// Time of one run on its machine, s; `None` where the file is not for one.
+    pub time_s: Option<f64>,
     /// Whether another program calls it, once for each channel.
     pub is_called_for_each_channel: bool,
 }
@@ -78,7 +80,7 @@ impl ProgramFile {
     }
 
     fn of_kind(name: impl Into<String>, about: &str) -> Self {
-        Self { name: name.into(), about: about.to_owned(), is_called_for_each_channel: false }
+        Self { name: name.into(), about: about.to_owned(), time_s: None, is_called_for_each_channel: false }
     }
 }
 
@@ -89,9 +91,23 @@ fn is_called_for_each_channel(files: &[ProgramFile]) -> bool {
 
 /// The files in words; `plan` where there are none.
 fn program_files(files: &[ProgramFile], plan: &str) -> String {
-    let of = |file: &ProgramFile| format!("<code>{}</code> ({})", escaped(&file.name), escaped(&file.about));
+    let of = |file: &ProgramFile| {
+        let time = file.time_s.map_or(String::new(), |time_s| format!(", {:.1} min", time_s / 60.0));
+        format!("<code>{}</code> ({}{time})", escaped(&file.name), escaped(&file.about))
+    };
     let files: Vec<String> = files.iter().map(of).collect();
     if files.is_empty() { escaped(plan) } else { files.join(", ") }
+}
+
+/// What to say below the times of a plan where the program of a file takes another time than `time_s`, by more
+/// than a hundredth: it is for another machine than that of the setup, or in another output, such as tilted
+/// planes.
+fn other_times_text(files: &[ProgramFile], time_s: f64) -> &'static str {
+    let differs = |of_file: f64| (of_file - time_s).abs() > 0.01 * time_s;
+    match files.iter().filter_map(|file| file.time_s).any(differs) {
+        true => " NC programs take the time that stands beside their names.",
+        false => "",
+    }
 }
 
 /// The part of a sheet.
@@ -399,6 +415,8 @@ fn sections_text(input: &SheetInput) -> String {
     if let Some(finishing) = finishing_text(outcome, shown) {
         let _ = write!(below, " Afterwards {finishing}.");
     }
+    let channels = if is_called_for_each_channel(input.files) { 1 } else { input.channels };
+    below += other_times_text(input.files, shown.summary.time_of_channels_s(channels, blades));
     sections_table(&rows, &below)
 }
 

@@ -295,7 +295,7 @@ fn selected(
             *answer = Some(LibraryAnswer::Taken(text));
         }
         if ui.button("Copy").on_hover_text("Adds a copy to the library, to be edited").clicked() {
-            library.copy(index);
+            library.copy(index, units::display_units(ui));
         }
         if ui
             .button("Delete")

@@ -3,7 +3,7 @@
 use egui::{Align2, Color32, ComboBox, FontId, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, Vec2};
 
 use super::positions::breach_words;
-use crate::app::model::look::SectionalLook;
+use crate::app::model::look::DrawingPart;
 use crate::app::model::number::with_minus_signs;
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::units;
@@ -39,22 +39,27 @@ fn plane_label(plane: CutPlane) -> &'static str {
 
 /// The line of controls: plane, fit, and, if it can, enlarge; `true` when that was pressed. `now`: the plane
 /// that is shown.
-pub fn controls(ui: &mut Ui, look: &mut SectionalLook, now: CutPlane, can_enlarge: bool) -> bool {
+pub fn controls(
+    ui: &mut Ui,
+    (chosen, part): (&mut Option<CutPlane>, &mut DrawingPart),
+    now: CutPlane,
+    can_enlarge: bool,
+) -> bool {
     ui.horizontal(|ui| {
         let label = ui.label("Cut");
         let list = ComboBox::from_id_salt("cut plane").width(112.0).selected_text(plane_label(now));
         let list = list.show_ui(ui, |ui| {
             let automatic = "Automatic: through the contact where the core meets stock, else along the row";
-            ui.selectable_value(&mut look.plane, None, "Automatic").on_hover_text(automatic);
+            ui.selectable_value(chosen, None, "Automatic").on_hover_text(automatic);
             for plane in CutPlane::ALL {
-                ui.selectable_value(&mut look.plane, Some(plane), plane_label(plane));
+                ui.selectable_value(chosen, Some(plane), plane_label(plane));
             }
         });
         list.response.labelled_by(label.id).on_hover_text("Plane of the cut; each contains the tool axis");
-        let moved = look.zoom != 1.0 || look.pan != [0.0; 2];
+        let moved = *part != DrawingPart::default();
         let fit = ui.add_enabled(moved, egui::Button::new("Fit cut").small());
         if fit.on_hover_text("Shows the whole cut again; so does a double-click").clicked() {
-            (look.zoom, look.pan) = (1.0, [0.0; 2]);
+            *part = DrawingPart::default();
         }
         can_enlarge && ui.small_button("Enlarge").on_hover_text("Shows the cut in a window").clicked()
     })
@@ -71,7 +76,7 @@ struct SectionToScreen {
 }
 
 impl SectionToScreen {
-    fn new(rect: Rect, view: &SectionView, look: &SectionalLook) -> Self {
+    fn new(rect: Rect, view: &SectionView, part: &DrawingPart) -> Self {
         let radius = view.tool.radius();
         let (width, height) = (f64::from(rect.width()), f64::from(rect.height()));
         let near = view.hub.iter().filter(|p| p[0].abs() < radius);
@@ -83,8 +88,8 @@ impl SectionToScreen {
         let fitting = (width / (2.0 * HALF_WIDTH_IN_RADII * radius)).min(room / shown);
         let low = lowest - below / fitting;
         // Zoomed about the middle of the drawing.
-        let (scale, middle) = (fitting * look.zoom, low + 0.5 * height / fitting);
-        let shift = look.pan.map(|part| part * look.zoom);
+        let (scale, middle) = (fitting * part.zoom, low + 0.5 * height / fitting);
+        let shift = part.pan.map(|along| along * part.zoom);
         Self { rect, scale, low: middle - 0.5 * height / scale, shift }
     }
 
@@ -110,25 +115,25 @@ impl SectionToScreen {
 }
 
 /// Moves the drawing with the mouse: drag pans, the wheel zooms to the pointer, a double-click fits.
-fn mouse(ui: &Ui, response: &egui::Response, look: &mut SectionalLook) {
+fn mouse(ui: &Ui, response: &egui::Response, part: &mut DrawingPart) {
     if response.double_clicked() {
-        (look.zoom, look.pan) = (1.0, [0.0; 2]);
+        *part = DrawingPart::default();
     }
     if response.dragged() {
         let by = response.drag_delta();
-        look.pan[0] += f64::from(by.x) / look.zoom;
-        look.pan[1] += f64::from(by.y) / look.zoom;
+        part.pan[0] += f64::from(by.x) / part.zoom;
+        part.pan[1] += f64::from(by.y) / part.zoom;
     }
     let Some(at) = response.hover_pos() else { return };
     let scroll = ui.input(|input| f64::from(input.smooth_scroll_delta.y));
     if scroll != 0.0 {
-        let zoom = (look.zoom * 2f64.powf(scroll / SCROLL_PER_OCTAVE)).clamp(ZOOM[0], ZOOM[1]);
+        let zoom = (part.zoom * 2f64.powf(scroll / SCROLL_PER_OCTAVE)).clamp(ZOOM[0], ZOOM[1]);
         // The point under the pointer stays: its distance from the middle grows with the zoom.
         let from_middle = at - response.rect.center();
-        for (pan, offset) in look.pan.iter_mut().zip([from_middle.x, from_middle.y]) {
-            *pan += f64::from(offset) * (1.0 / zoom - 1.0 / look.zoom);
+        for (pan, offset) in part.pan.iter_mut().zip([from_middle.x, from_middle.y]) {
+            *pan += f64::from(offset) * (1.0 / zoom - 1.0 / part.zoom);
         }
-        look.zoom = zoom;
+        part.zoom = zoom;
     }
 }
 
@@ -138,7 +143,7 @@ pub fn show(
     ui: &mut Ui,
     name: &str,
     shown: (&SectionView, &Position),
-    look: &mut SectionalLook,
+    part: &mut DrawingPart,
     stale: bool,
     height: f32,
 ) {
@@ -146,8 +151,8 @@ pub fn show(
     let size = Vec2::new(ui.available_width(), height);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
-    mouse(ui, &response, look);
-    let frame = SectionToScreen::new(rect, view, look);
+    mouse(ui, &response, part);
+    let frame = SectionToScreen::new(rect, view, part);
     let painter = ui.painter_at(rect);
     let visuals = ui.visuals();
     painter.rect_filled(rect, 2.0, visuals.extreme_bg_color);

@@ -264,6 +264,7 @@ fn tools(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
 const NUMBER: FieldSpec = FieldSpec {
     label: "Number",
     tip: "Number of the tool in programs: its place in the machine",
+    quantity: Quantity::Count,
     min: 1.0,
     max: MAX_NUMBER as f64,
     speed: 1.0,
