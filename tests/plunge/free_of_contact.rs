@@ -267,7 +267,38 @@ fn on_wheels_as_they_are_built_less_is_left_than_by_the_published_method() {
 }
 
 /// A wheel with channels ten cutter diameters deep.
-const DEEP: &str = include_str!("../data/deep_wheel.toml");
+const DEEP: &str = r#"
+name = "deep"
+blades = 12
+[hub]
+control = [[74.1, 0], [74.1, 100.2], [138.7, 161.7], [235.6, 161.7]]
+[shroud]
+control = [[135.9, 0], [135.9, 80.2], [170.8, 129.4], [235.6, 129.4]]
+[[main.span]]
+span = 0.0
+leading_edge = 0.06
+theta_leading_edge = 0.0
+angle = [[0.0, 27.5], [1.0, 38.8]]
+thickness = [[0.0, 4.5], [1.0, 3.4]]
+[[main.span]]
+span = 1.0
+leading_edge = 0.06
+theta_leading_edge = 0.0
+angle = [[0.0, 40.8], [1.0, 38.8]]
+thickness = [[0.0, 1.7], [1.0, 2.3]]
+[[splitter.span]]
+span = 0.0
+leading_edge = 0.42
+theta_leading_edge = 15.0
+angle = [[0.0, 27.5], [1.0, 38.8]]
+thickness = [[0.0, 4.5], [1.0, 3.4]]
+[[splitter.span]]
+span = 1.0
+leading_edge = 0.42
+theta_leading_edge = 15.0
+angle = [[0.0, 40.8], [1.0, 38.8]]
+thickness = [[0.0, 1.7], [1.0, 2.3]]
+"#;
 
 /// The tilt angles of a slender cutter's row must be fine enough for each core to follow the previous one
 /// over the whole depth.

@@ -1,6 +1,7 @@
 //! Entry into a row from the previous row. In front of a splitter's nose the rows beside the splitter leave a
-//! strip of stock, and a row that begins in it would have to stop short over a long distance; so would one that
-//! begins anew where walls turn its axis. It is entered from the side, in steps no wider than the inserts.
+//! strip of stock, and a row that begins in it would have to stop short over a long distance; so would one
+//! that begins anew where walls turn its axis. It is entered from the side, in steps no wider than the
+//! inserts.
 
 use super::candidate::{CandidateMaker, RowCandidate};
 use super::path::PathSearch;

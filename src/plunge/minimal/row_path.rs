@@ -40,7 +40,8 @@ impl RowPath {
         self.steps.iter().map(|step| step.lift).fold(0.0, f64::max)
     }
 
-    /// s of the first position from which on plunges stop more than `lift` mm short, but for the `known` ones.
+    /// s of the first position from which on plunges stop more than `lift` mm short, but for the `known`
+    /// ones.
     pub(super) fn first_short(&self, lift: f64, known: &[f64]) -> Option<f64> {
         let is_short = |k: usize| self.steps[k].lift > lift;
         let begins = (0..self.steps.len()).filter(|&k| is_short(k) && (k == 0 || !is_short(k - 1)));

@@ -251,20 +251,55 @@ fn plan_rows(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::part_file::read_part_bytes;
-    use crate::part::Impeller;
+    use crate::part::{
+        BladeDescription, CamberSpan, CurveDescription, Impeller, Meridional, PartDescription,
+    };
     use crate::plunge::opening_section::plan_context;
     use crate::plunge::row_density::RowDensity;
     use crate::setup::{SectionKind, SectionSetup, Setup, Tool};
 
-    const DEEP: &str = include_str!("../../../tests/data/deep_wheel.toml");
+    /// A blade with the same angle at the outlet of hub and shroud.
+    fn blade(leading_edge: f64, theta_deg: f64) -> BladeDescription {
+        let span = |span: f64, inlet_deg: f64, thickness: [f64; 2]| CamberSpan {
+            span,
+            leading_edge,
+            theta_leading_edge: theta_deg.to_radians(),
+            angle: vec![(0.0, inlet_deg.to_radians()), (1.0, 38.8f64.to_radians())],
+            thickness: vec![(0.0, thickness[0]), (1.0, thickness[1])],
+        };
+        BladeDescription::Camber {
+            spans: vec![span(0.0, 27.5, [4.5, 3.4]), span(1.0, 40.8, [1.7, 2.3])],
+            line: 0,
+        }
+    }
+
+    /// A wheel with splitters, and with channels ten diameters of the cutter deep.
+    fn deep_wheel() -> Impeller {
+        let curve = |control: [[f64; 2]; 4]| CurveDescription::BSpline {
+            control: control.map(|[r, z]| Meridional { r, z }).to_vec(),
+            degree: 3,
+            knots: Vec::new(),
+        };
+        let part = PartDescription {
+            name: "deep".to_owned(),
+            hub: curve([[74.1, 0.0], [74.1, 100.2], [138.7, 161.7], [235.6, 161.7]]),
+            shroud: curve([[135.9, 0.0], [135.9, 80.2], [170.8, 129.4], [235.6, 129.4]]),
+            blade_count: 12,
+            main: blade(0.06, 0.0),
+            splitters: vec![blade(0.42, 15.0)],
+            hub_line: 0,
+            shroud_line: 0,
+            count_line: 0,
+            notes: Vec::new(),
+            roles_by_shape: false,
+        };
+        Impeller::build(&part).expect("an impeller")
+    }
 
     /// The last row of the first lane is beside a splitter, whose side turns its axes so far in the middle of
     /// the row that it begins anew there.
     #[test]
     fn a_row_that_begins_anew_in_full_stock_is_entered_from_the_side() {
-        let description = read_part_bytes("deep.toml", DEEP.as_bytes(), "toml").expect("readable");
-        let part = Impeller::build(&description).expect("an impeller");
         let cutter = Tool {
             number: 1,
             diameter: 6.0,
@@ -279,13 +314,14 @@ mod tests {
         setup.plunge.max_axis_change_rad = 8.67f64.to_radians();
         setup.plunge.sections =
             vec![SectionSetup { tool: 1, from: 1.0, to: 0.8, cut_direction: None, kind: SectionKind::Rows }];
-        let workpiece = setup.allowances.workpiece_of(part);
+        let workpiece = setup.allowances.workpiece_of(deep_wheel());
         let context = plan_context(&workpiece, &setup, RowDensity::Dense);
         let layout = &context.layouts(0).expect("the cutter fits")[0];
         let lambdas = rows_of_stretch(&context, layout, &setup.tools[0]);
         let (feed, monitor) = (CutDirection::OutletToInlet, Monitor::default());
         let mut cut = SectionCut::empty(feed, context.opening.clone());
-        // The last row and the one before it: how far their plunges stop short with and without crossings, mm.
+        // The last row and the one before it: how far their plunges stop short with and without crossings,
+        // mm.
         let [_, (without, with)] = [lambdas.len() - 2, lambdas.len() - 1].map(|row| {
             let row_of = RowOf { layout, lambdas: &lambdas, row };
             with_row_search(&context, 0, row_of, feed, &monitor, |search, places| {

@@ -99,9 +99,9 @@ fn program_files(files: &[ProgramFile], plan: &str) -> String {
     if files.is_empty() { escaped(plan) } else { files.join(", ") }
 }
 
-/// What to say below the times of a plan where the program of a file takes another time than `time_s`, by more
-/// than a hundredth: it is for another machine than that of the setup, or in another output, such as tilted
-/// planes.
+/// What to say below the times of a plan where the program of a file takes another time than `time_s`, by
+/// more than a hundredth: it is for another machine than that of the setup, or in another output, such as
+/// tilted planes.
 fn other_times_text(files: &[ProgramFile], time_s: f64) -> &'static str {
     let differs = |of_file: f64| (of_file - time_s).abs() > 0.01 * time_s;
     match files.iter().filter_map(|file| file.time_s).any(differs) {
