@@ -20,7 +20,7 @@ use crate::plunge::section_layout::StretchLayout;
 use crate::setup::CutDirection;
 
 /// Lift from which on a place of a row is entered from the previous row, in cutter radii.
-const CROSSING_RADII: f64 = 0.2;
+const CROSSING_RADII: f64 = 1.0;
 
 /// Maximum number of places at which a row is entered from the previous row.
 const MAX_CROSSINGS: usize = 3;
