@@ -588,6 +588,9 @@ fn the_solid_stock_follows_the_timeline_of_the_passes() {
     settle(&mut window);
     let volume = |window: &Window| window.state().solid(Side::After).expect("a solid").volume;
     let finished = volume(&window);
+    window.key_press(egui::Key::N);
+    window.run_steps(2);
+    window.get_by_label("The flank program has no faults");
     window.get_by_role_and_label(Role::Button, "Go to start").click();
     window.run_steps(3);
     settle(&mut window);

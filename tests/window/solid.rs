@@ -6,6 +6,7 @@ use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::{Operation, PlaneOrientation, SectionPlaneLook};
 use vanecut::app::model::planned::Side;
 use vanecut::app::model::solid::SolidColours;
+use vanecut::app::model::units::DisplayUnits;
 use vanecut::error::ErrorCode;
 use vanecut::io::apt::write_apt;
 use vanecut::io::stl::read_stl_bytes;
@@ -33,6 +34,22 @@ fn with_stock() -> Window {
 
 fn volume(window: &Window) -> f64 {
     window.state().solid(Side::After).expect("a solid").volume
+}
+
+#[test]
+fn both_sides_say_how_much_stock_they_leave() {
+    let mut window = with_stock();
+    window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::B);
+    window.run_steps(3);
+    settle(&mut window);
+    for side in [Side::Before, Side::After] {
+        let solid = window.state().solid(side).expect("a solid");
+        let (volume, collisions) = (DisplayUnits::Metric.volume(solid.volume), solid.collisions);
+        window.get_by_label_contains(&format!("{}: stock {volume}", side.label()));
+        let meet = format!("{collisions} moves meet stock");
+        assert_eq!(labels(&window, &meet).is_empty(), collisions == 0, "{meet}");
+    }
+    snapshot_view(&mut window, "solid_both");
 }
 
 #[test]

@@ -145,9 +145,15 @@ impl App {
             let checked = self.state.results.checked.as_ref()?;
             return checked.findings.is_empty().then_some("The program has no faults");
         }
-        let is_shown = self.state.look.operation == Operation::Roughing && self.state.shown().is_some();
-        (is_shown && self.state.interfering_plunges().is_empty())
-            .then_some("No plunge of this plan interferes")
+        if self.state.look.operation == Operation::Flank {
+            let outcome = self.state.results.flank.as_ref()?;
+            return Some(match outcome.faults.is_empty() {
+                true => "The flank program has no faults",
+                false => "The results of the flank plan list its faults",
+            });
+        }
+        let is_known = self.state.shown().is_some() && self.state.interfering_plunges().is_empty();
+        is_known.then_some("No plunge of this plan interferes")
     }
 
     /// Whether there is work to cancel.

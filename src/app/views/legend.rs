@@ -36,38 +36,48 @@ pub struct Values {
     pub other: Option<(Side, f32)>,
 }
 
-/// What the solid stock shows, at the lower left: volume, collisions, and the names of its colours.
-pub fn solid_legend(ui: &mut Ui, rect: Rect, solid: Option<&SolidPicture>, above: f32) {
-    let rows = solid.map_or(0, |solid| solid.names.len());
-    let height = 26.0 + 16.0 * (rows + usize::from(solid.is_some_and(|s| s.collisions > 0))) as f32;
+/// What the solid stock shows, at the lower left: volume and collisions of each side in view, while its solid
+/// is known, and the names of its colours.
+pub fn solid_legend(ui: &mut Ui, rect: Rect, sides: &[(Side, Option<&SolidPicture>)], above: f32) {
+    let solids = || sides.iter().filter_map(|(_, solid)| *solid);
+    let names = solids().last().map_or(&[][..], |solid| &solid.names);
+    let lines = sides.len() + solids().filter(|solid| solid.collisions > 0).count();
+    let height = 10.0 + 16.0 * (lines + names.len()) as f32;
     let corner = egui::pos2(rect.min.x + 10.0, rect.max.y - above - height);
     let at = Rect::from_min_size(corner, egui::vec2(236.0, height)).intersect(rect);
     floating(ui, at, |ui| {
         ui.spacing_mut().item_spacing = egui::vec2(4.0, 2.0);
-        let Some(solid) = solid else {
-            ui.label(RichText::new("Stock: calculating…").size(12.0));
-            return;
-        };
-        let refined = if solid.is_coarse { ", refining…" } else { "" };
-        let units = units::display_units(ui);
-        let text = format!("Stock {}{refined}", units.volume(solid.volume));
-        ui.label(RichText::new(text).size(12.0)).on_hover_text(format!(
-            "Volume of the whole blank after the moves up to here; rays every {}",
-            units.length(solid.spacing, 2)
-        ));
-        if solid.collisions > 0 {
-            let word = if solid.collisions == 1 { "move meets" } else { "moves meet" };
-            let colour = Condition::Interfering.text(ui.visuals());
-            let text = format!("{} {word} stock with core, shank, holder or in rapid", solid.collisions);
-            ui.label(RichText::new(text).size(12.0).color(colour));
+        for (side, solid) in sides {
+            let of = if sides.len() > 1 { format!("{}: stock", side.label()) } else { "Stock".to_owned() };
+            match solid {
+                Some(solid) => solid_lines(ui, &of, solid),
+                None => drop(ui.label(RichText::new(format!("{of}: calculating…")).size(12.0))),
+            }
         }
-        for (colour, name) in &solid.names {
+        for (colour, name) in names {
             ui.horizontal(|ui| {
                 swatch(ui, *colour, 12.0);
                 ui.label(RichText::new(name).size(12.0));
             });
         }
     });
+}
+
+/// Volume and collisions of a solid; `of`: what it is.
+fn solid_lines(ui: &mut Ui, of: &str, solid: &SolidPicture) {
+    let refined = if solid.is_coarse { ", refining…" } else { "" };
+    let units = units::display_units(ui);
+    let text = format!("{of} {}{refined}", units.volume(solid.volume));
+    ui.label(RichText::new(text).size(12.0)).on_hover_text(format!(
+        "Volume of the whole blank after the moves up to here; rays every {}",
+        units.length(solid.spacing, 2)
+    ));
+    if solid.collisions > 0 {
+        let word = if solid.collisions == 1 { "move meets" } else { "moves meet" };
+        let colour = Condition::Interfering.text(ui.visuals());
+        let text = format!("{} {word} stock with core, shank, holder or in rapid", solid.collisions);
+        ui.label(RichText::new(text).size(12.0).color(colour));
+    }
 }
 
 /// A scale: its heading, colours, and whether it is symmetric about zero with ends that are not edited.

@@ -293,10 +293,14 @@ impl App {
         if roughing {
             self.section_borders(ui, panes, &camera);
         }
-        if self.state.look.layers.stock && self.state.solid_source(self.state.look.side).is_some() {
-            let solid = self.solids[self.state.look.side].shown();
+        let sides = panes.iter().map(|pane| pane.side);
+        let solids: Vec<_> = sides
+            .filter(|side| self.state.look.layers.stock && self.state.solid_source(*side).is_some())
+            .map(|side| (side, self.solids[side].shown().map(|solid| &**solid)))
+            .collect();
+        if !solids.is_empty() {
             let bar = self.state.look.section.map_or(0.0, |_| section_bar_height(whole));
-            legend::solid_legend(ui, whole, solid.map(|solid| &**solid), bar + 10.0);
+            legend::solid_legend(ui, whole, &solids, bar + 10.0);
         }
         match roughing.then(|| overlay::side_switch(ui, whole, &self.state.look)).flatten() {
             Some(SwitchChoice::Side(side)) => {
