@@ -41,7 +41,8 @@ pub struct Values {
 pub fn solid_legend(ui: &mut Ui, rect: Rect, sides: &[(Side, Option<&SolidPicture>)], above: f32) {
     let solids = || sides.iter().filter_map(|(_, solid)| *solid);
     let names = solids().last().map_or(&[][..], |solid| &solid.names);
-    let lines = sides.len() + solids().filter(|solid| solid.collisions > 0).count();
+    // The text on collisions takes two lines.
+    let lines = sides.len() + 2 * solids().filter(|solid| solid.collisions > 0).count();
     let height = 10.0 + 16.0 * (lines + names.len()) as f32;
     let corner = egui::pos2(rect.min.x + 10.0, rect.max.y - above - height);
     let at = Rect::from_min_size(corner, egui::vec2(236.0, height)).intersect(rect);
