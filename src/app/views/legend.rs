@@ -40,7 +40,7 @@ pub struct Values {
 /// is known, and the names of its colours.
 pub fn solid_legend(ui: &mut Ui, rect: Rect, sides: &[(Side, Option<&SolidPicture>)], above: f32) {
     let solids = || sides.iter().filter_map(|(_, solid)| *solid);
-    let names = solids().last().map_or(&[][..], |solid| &solid.names);
+    let names = solids().next_back().map_or(&[][..], |solid| &solid.names);
     // The text on collisions takes two lines.
     let lines = sides.len() + 2 * solids().filter(|solid| solid.collisions > 0).count();
     let height = 10.0 + 16.0 * (lines + names.len()) as f32;
