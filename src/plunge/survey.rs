@@ -187,7 +187,7 @@ impl Survey {
 }
 
 /// An endless cylinder of this diameter (mm) as a tool.
-fn cylinder(diameter: f64) -> Tool {
+pub(super) fn cylinder(diameter: f64) -> Tool {
     Tool {
         number: 0,
         diameter,

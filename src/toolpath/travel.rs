@@ -32,11 +32,6 @@ impl Travel {
         first.into_iter().chain(rest).collect()
     }
 
-    /// Time from the start of a program of plunges to the end of each plunge, s.
-    pub fn plunge_clock(program: &ClProgram) -> Vec<f64> {
-        program.at_plunge_ends(&Self::clock(program))
-    }
-
     /// Sums of all moves with a tool.
     pub fn from_program(program: &ClProgram) -> Self {
         let mut travel = Self { tool_loads: program.tool_loads(), ..Self::default() };

@@ -54,10 +54,8 @@ impl PlanClock {
     /// can run it, else without accelerations and tool changes.
     pub fn plunge_clock(&self, plan: &PlungePlan) -> Vec<f64> {
         let program = ClProgram::of_plan("", plan);
-        match self.timing().and_then(|machine| machine.move_clock(&program)) {
-            Some(moves) => program.at_plunge_ends(&moves),
-            None => Travel::plunge_clock(&program),
-        }
+        let on_machine = self.timing().and_then(|machine| machine.move_clock(&program));
+        program.at_plunge_ends(&on_machine.unwrap_or_else(|| Travel::clock(&program)))
     }
 
     /// Time of `program`, s: on the machine, or `None` where it cannot run that; without a machine without

@@ -10,6 +10,7 @@ use vanecut::setup::{AxisPolicy, SectionKind, SectionSetup, Setup, Tool};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::{FaultKind, verify};
 
+use super::disc::cutter;
 use super::samples::{SAMPLES, compared, sample, sample_plans};
 
 fn result(outcome: &PlanOutcome, policy: AxisPolicy) -> &PolicyResult {
@@ -307,16 +308,7 @@ thickness = [[0.0, 1.7], [1.0, 2.3]]
 fn a_slender_cutter_gets_down_to_a_deep_hub() {
     let part = Impeller::build(&read_part_bytes("deep.toml", DEEP.as_bytes(), "toml").expect("readable"));
     let part = part.expect("an impeller");
-    let cutter = Tool {
-        number: 1,
-        diameter: 6.0,
-        corner_radius: 0.0,
-        insert_width: 2.7,
-        overhang: 95.0,
-        plunge_feed: 300.0,
-        spindle: 3000.0,
-        assembly: Default::default(),
-    };
+    let cutter = Tool { overhang: 95.0, plunge_feed: 300.0, spindle: 3000.0, ..cutter(6.0, 2.7) };
     let radius = cutter.radius();
     let mut setup = Setup { tools: vec![cutter], ..Setup::default() };
     setup.plunge.rest = false;
@@ -340,16 +332,7 @@ fn a_slender_cutter_gets_down_to_a_deep_hub() {
 #[test]
 fn links_of_a_ball_cutter_keep_the_whole_tool_out_of_the_blank() {
     let part = sample("impeller532");
-    let cutter = Tool {
-        number: 1,
-        diameter: 12.0,
-        corner_radius: 6.0,
-        insert_width: 5.0,
-        overhang: 80.0,
-        plunge_feed: 300.0,
-        spindle: 3000.0,
-        assembly: Default::default(),
-    };
+    let cutter = Tool { corner_radius: 6.0, plunge_feed: 300.0, spindle: 3000.0, ..cutter(12.0, 5.0) };
     let mut setup = Setup { tools: vec![cutter], ..Setup::default() };
     setup.plunge.sections =
         vec![SectionSetup { tool: 1, from: 1.0, to: 0.5, cut_direction: None, kind: SectionKind::Rows }];

@@ -10,7 +10,7 @@ use vanecut::io::project_file::read_project;
 use vanecut::job::PlanOutcome;
 
 use crate::fake;
-use crate::harness::{Window, labels, settle, snapshot_view, window, with_sample};
+use crate::harness::{Window, labels, settle, snapshot_view, type_into, window, with_sample};
 use crate::machine::{line_of_axes, with_machine};
 
 /// Chooses a unit in the menu.
@@ -21,18 +21,6 @@ fn choose(window: &mut Window, unit: &str) {
     window.run_steps(3);
     window.get_by_role_and_label(Role::RadioButton, unit).click();
     window.run_steps(3);
-}
-
-/// Types `text` into the field of the hub allowance.
-fn type_allowance(window: &mut Window, text: &str) {
-    window.get_by_role_and_label(Role::SpinButton, "Hub allowance").click();
-    window.run_steps(3);
-    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
-    window.event(egui::Event::Text(text.to_owned()));
-    window.run_steps(2);
-    window.key_press(egui::Key::Enter);
-    window.run_steps(3);
-    settle(window);
 }
 
 fn allowance(window: &Window) -> f64 {
@@ -47,7 +35,7 @@ fn clearances_beside_a_fine_allowance_have_a_decimal_more() {
     window.run_steps(3);
     let of_both = |window: &Window| ["0.50 mm", "0.500 mm"].map(|text| labels(window, text).len());
     assert_eq!(of_both(&window), [2, 0], "of hub and blades");
-    type_allowance(&mut window, "0.025");
+    type_into(&mut window, ("Hub allowance", 0), "0.025");
     assert_eq!(allowance(&window), 0.025);
     assert_eq!(of_both(&window), [1, 1], "the allowance of the blades is still of tenths");
 }
@@ -161,11 +149,11 @@ fn typed_numbers_are_inches_then_and_files_stay_in_mm() {
     first.run_steps(3);
     settle(&mut first);
     assert_eq!(allowance(&first).to_bits(), kept.to_bits());
-    type_allowance(&mut first, "0.03");
+    type_into(&mut first, ("Hub allowance", 0), "0.03");
     assert!((allowance(&first) - 0.762).abs() < 1e-12, "{}", allowance(&first));
-    type_allowance(&mut first, "0.9 mm");
+    type_into(&mut first, ("Hub allowance", 0), "0.9 mm");
     assert!((allowance(&first) - 0.9).abs() < 1e-12, "a unit that is typed counts");
-    type_allowance(&mut first, "1/20");
+    type_into(&mut first, ("Hub allowance", 0), "1/20");
     assert!((allowance(&first) - 1.27).abs() < 1e-12, "{}", allowance(&first));
     let path = folder.path().join("p.vanecut");
     let ctx = first.ctx.clone();

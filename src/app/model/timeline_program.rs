@@ -61,6 +61,21 @@ impl TimelineProgram {
         }
     }
 
+    /// Time from the start of the program to the end of each of its `steps`, s, by that of each of its
+    /// `moves`; see [`Self::moves`]. A step without a move takes no time.
+    pub fn clock(&self, program: &ClProgram, steps: &[Option<usize>], moves: &[f64]) -> Vec<f64> {
+        // The rapid out of the stock belongs to its plunge.
+        if let Self::Plunges(..) = self {
+            return program.at_plunge_ends(moves);
+        }
+        let mut now = 0.0;
+        let ends = steps.iter().map(|end| {
+            now = end.and_then(|end| moves.get(end).copied()).unwrap_or(now);
+            now
+        });
+        ends.collect()
+    }
+
     /// The part, and the allowances that say what its blank is.
     pub fn part(&self) -> (&Impeller, &AllowanceSetup) {
         match self {

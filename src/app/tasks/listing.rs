@@ -46,12 +46,6 @@ fn listing_of(listed: &TimelineProgram) -> Arc<ProgramListing> {
     let moves = read.as_ref().map_or(&[][..], |program| &program.moves);
     let line = |index: usize| moves.get(index).map(|step| step.line);
     let lines = ends.iter().map(|end| end.and_then(line)).collect();
-    let clock = match listed {
-        TimelineProgram::Plunges(..) => Travel::plunge_clock(&program),
-        _ => {
-            let clock = Travel::clock(&program);
-            ends.iter().map(|end| end.and_then(|end| clock.get(end).copied()).unwrap_or(0.0)).collect()
-        }
-    };
+    let clock = listed.clock(&program, &ends, &Travel::clock(&program));
     Arc::new(ProgramListing::new(text, lines, clock))
 }

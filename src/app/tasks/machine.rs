@@ -92,11 +92,7 @@ fn run(request: &MachineRequest) -> Result<ProgramOnMachine, InputError> {
             (Vec::new(), Vec::new(), Some((error.message, error.help)))
         }
     };
-    let clock = match &request.program {
-        _ if fault.is_some() => Vec::new(),
-        TimelineProgram::Plunges(..) => program.at_plunge_ends(&moves),
-        _ => times_of_steps(&steps, &moves),
-    };
+    let clock = if fault.is_none() { request.program.clock(&program, &steps, &moves) } else { Vec::new() };
     let at = |index: usize| axis_positions(&machine, &program, index, (*poses.get(index)?)?);
     let first = match request.program {
         TimelineProgram::Flank(_) => steps.first().copied().flatten(),
@@ -112,17 +108,6 @@ fn run(request: &MachineRequest) -> Result<ProgramOnMachine, InputError> {
         _ => Vec::new(),
     };
     Ok(ProgramOnMachine { machine, placed, blank, start, ends, clock, fault, demands })
-}
-
-/// Time from the start of a program to the end of each of `steps`, by that of each of its `moves`, s. A step
-/// without a move takes no time.
-fn times_of_steps(steps: &[Option<usize>], moves: &[f64]) -> Vec<f64> {
-    let mut now = 0.0;
-    let ends = steps.iter().map(|end| {
-        now = end.and_then(|end| moves.get(end).copied()).unwrap_or(now);
-        now
-    });
-    ends.collect()
 }
 
 /// What a position asks of the axes.

@@ -385,8 +385,12 @@ pub fn measurement(
 
 /// The rectangle, raised above those that are `taken` and would cover it.
 fn raised_above(back: Rect, taken: &[Rect]) -> Rect {
-    let above = taken.iter().filter(|taken| back.intersects(**taken)).map(|taken| taken.top() - 4.0);
-    back.translate(egui::vec2(0.0, above.fold(back.bottom(), f32::min) - back.bottom()))
+    let mut raised = back;
+    // What stands above one of them may be covered by another.
+    while let Some(taken) = taken.iter().find(|taken| raised.intersects(**taken)) {
+        raised = raised.translate(egui::vec2(0.0, taken.top() - 4.0 - raised.bottom()));
+    }
+    raised
 }
 
 /// Distance of two points with its components.
@@ -431,5 +435,7 @@ mod tests {
         assert_eq!(raised_above(back, &[beside, Rect::NOTHING]), back);
         assert_eq!(raised_above(back, &[low, beside]).bottom(), 106.0);
         assert_eq!(raised_above(back, &[low, high]).bottom(), 86.0);
+        let above_low = rect(60.0, 75.0, 60.0);
+        assert_eq!(raised_above(back, &[low, above_low]).bottom(), 71.0, "not covered at first");
     }
 }

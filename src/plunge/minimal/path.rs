@@ -25,8 +25,9 @@ const BEAM_RADII: f64 = 0.15;
 const COARSE_LIFT_RADII: f64 = 0.3;
 /// Maximum number of parts into which the steps of the grid are divided.
 const MAX_FINENESS: usize = 4;
-/// Share of its cost that a path must save by a finer grid for a still finer one to be tried.
-const MIN_SAVED_SHARE: f64 = 0.02;
+/// Share of its cost that a path must save: by a finer grid for a still finer one to be tried, by a crossing
+/// for this to be cut.
+pub(super) const MIN_SAVED_SHARE: f64 = 0.02;
 /// Excess over the lower bound that is acceptable, as a share of it. A stage counts with at most
 /// [`CandidateMaker::scale`]: floor out of the reach of the row adds much to the bound and says nothing about
 /// the path.

@@ -1,7 +1,7 @@
 //! `minimal` for one section: rows are planned one after the other, each after the plunges of all previous
 //! ones, in the cutting direction that leaves less.
 
-use super::path::MINIMAL_MAX_LIFT_SHARE;
+use super::path::{MIN_SAVED_SHARE, MINIMAL_MAX_LIFT_SHARE};
 use super::row_stages::{COST_OF_NEW_ROW, RowStages};
 use super::rows::{
     CutPath, RowOf, RowPlaces, cut_path, cut_split, max_side_shifts, rows_of_stretch, with_row_search,
@@ -35,9 +35,6 @@ const TURNED_COST_SHARE: f64 = 0.95;
 
 /// Cost from which on the other direction is tried after rows of many places, in acceptable costs.
 const MAX_COST_OF_MANY: f64 = 2.0;
-
-/// Share of its cost that a path must save by a crossing, besides the cost of another row.
-const MIN_SAVED_SHARE: f64 = 0.02;
 
 /// A section planned in one cutting direction.
 struct DirectedPlan {
@@ -256,6 +253,7 @@ mod tests {
     };
     use crate::plunge::opening_section::plan_context;
     use crate::plunge::row_density::RowDensity;
+    use crate::plunge::survey::cylinder;
     use crate::setup::{SectionKind, SectionSetup, Setup, Tool};
 
     /// A blade with the same angle at the outlet of hub and shroud.
@@ -300,16 +298,7 @@ mod tests {
     /// the row that it begins anew there.
     #[test]
     fn a_row_that_begins_anew_in_full_stock_is_entered_from_the_side() {
-        let cutter = Tool {
-            number: 1,
-            diameter: 6.0,
-            corner_radius: 0.0,
-            insert_width: 2.7,
-            overhang: 95.0,
-            plunge_feed: 300.0,
-            spindle: 3000.0,
-            assembly: Default::default(),
-        };
+        let cutter = Tool { number: 1, insert_width: 2.7, overhang: 95.0, ..cylinder(6.0) };
         let mut setup = Setup { tools: vec![cutter], ..Setup::default() };
         setup.plunge.max_axis_change_rad = 8.67f64.to_radians();
         setup.plunge.sections =
