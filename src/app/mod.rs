@@ -362,8 +362,9 @@ impl eframe::App for App {
         // While a dialog or the command search is open, shortcuts are disabled.
         if !self.palette.is_open() && !self.is_asking() {
             // An open menu takes Escape first, then the window in front, then the tour.
-            let keeps_escape =
-                egui::Popup::is_any_open(ctx) || self.escape_closes_window(ctx) || self.tour.is_open();
+            let keeps_escape = egui::Popup::is_any_open(ctx)
+                || self.escape_closes_window(ctx, typing)
+                || self.tour.is_open();
             let can = |command: Command| match command {
                 Command::Cancel if keeps_escape => false,
                 Command::Deselect if keeps_escape || typing => false,

@@ -72,6 +72,7 @@ pub fn resolve(
     let mut reasons = vec![None; setup.plunge.sections.len()];
     if setup.plunge.sections.is_empty() {
         let rules = Rules::new(&setup.allowances);
+        survey.set_inaccessible_aside(&resolved.tools, &rules);
         let tools = preselect(&resolved.tools, &survey, &rules, &setup.plunge);
         survey.try_cylinders(workpiece, &setup.allowances, &cylinders(&tools));
         survey.try_assemblies(workpiece, setup, &tools);
@@ -141,7 +142,8 @@ fn used_tools(setup: &Setup) -> Vec<Tool> {
 
 /// The sections with tools of a library of all sizes. By the estimate of time alone, the largest cutter that
 /// fits would be chosen, and it leaves the most stock on the floor. Therefore about three rows have to fit
-/// side by side at the outlet. Where such a cutter needs very many places, two rows are enough.
+/// side by side at the outlet. Two rows are enough where such a cutter needs very many places, and one where
+/// only a larger cutter is long enough for the channel.
 fn choose_from_library(
     tools: &[Tool],
     setup: &Setup,
@@ -154,11 +156,19 @@ fn choose_from_library(
         let chosen = choose(tools, Some(limit), survey, setup, times);
         (chosen.iter().map(|chosen| chosen.places).sum::<f64>(), chosen)
     };
+    let misfits = |chosen: &[ChosenSection]| chosen.iter().map(|chosen| chosen.misfits).sum::<u32>();
     let (places, chosen) = by_share(SHARE_OF_THREE_ROWS);
-    if places <= MANY_PLACES {
+    let fits_worse = misfits(&chosen) > 0;
+    if places <= MANY_PLACES && !fits_worse {
         return chosen;
     }
     let (places_of_two, chosen_of_two) = by_share(SHARE_OF_TWO_ROWS);
+    if fits_worse {
+        let (_, chosen_of_one) = by_share(f64::INFINITY);
+        // The first of the least: the smallest cutters of those that fit best.
+        let choices = [chosen, chosen_of_two, chosen_of_one];
+        return choices.into_iter().min_by_key(|chosen| misfits(chosen)).unwrap_or_default();
+    }
     if places_of_two < WORTH_TWO_ROWS * places { chosen_of_two } else { chosen }
 }
 

@@ -1,8 +1,11 @@
 //! Survey of the channel along s: width and depth of its passages, and the length of their rows. Independent
 //! of any tool.
 
+use std::collections::HashSet;
+
 use rayon::prelude::*;
 
+use super::choice::fit::Rules;
 use super::lane::Lane;
 use super::spacing::row_distance;
 use crate::cutting::assembly::AssemblySurroundings;
@@ -60,7 +63,8 @@ pub struct SurveyStation {
     /// The passages at this s by which sections are chosen.
     pub passages: Vec<PassageExtent>,
     /// The passages that are set aside: all along less than a fifth as wide as the widest one beside them, as
-    /// where a splitter stands close to a blade. They are cut where the chosen cutters fit.
+    /// where a splitter stands close to a blade, or nowhere within reach of any tool. They are cut where the
+    /// chosen cutters fit.
     pub narrow: Vec<PassageExtent>,
 }
 
@@ -108,10 +112,31 @@ impl Survey {
                 *share = share.max(across.narrowest / widest);
             }
         }
+        self.set_aside(|across| shares[across.passage] < NARROW_SHARE);
+    }
+
+    /// Sets the passages aside in which none of `tools` fits anywhere and is long enough; see
+    /// [`SurveyStation::narrow`]. Where that is all of them none is.
+    pub fn set_inaccessible_aside(&mut self, tools: &[Tool], rules: &Rules) {
+        let passages = || self.stations.iter().flat_map(|station| &station.passages);
+        let within_reach = passages().filter(|across| tools.iter().any(|tool| rules.reaches(tool, across)));
+        let accessible: HashSet<usize> = within_reach.map(|across| across.passage).collect();
+        if accessible.is_empty() {
+            return;
+        }
+        self.set_aside(|across| !accessible.contains(&across.passage));
+    }
+
+    /// Moves passages to [`SurveyStation::narrow`], at each station at which another one remains.
+    fn set_aside(&mut self, is_aside: impl Fn(&PassageExtent) -> bool) {
         for station in &mut self.stations {
-            let is_narrow = |across: &PassageExtent| shares[across.passage] < NARROW_SHARE;
-            let passages = std::mem::take(&mut station.passages);
-            (station.narrow, station.passages) = passages.into_iter().partition(is_narrow);
+            if station.passages.iter().all(&is_aside) {
+                continue;
+            }
+            let (aside, passages) = std::mem::take(&mut station.passages).into_iter().partition(&is_aside);
+            station.passages = passages;
+            let aside: Vec<PassageExtent> = aside;
+            station.narrow.extend(aside);
             station.narrowest =
                 station.passages.iter().map(|across| across.narrowest).fold(f64::INFINITY, f64::min);
         }

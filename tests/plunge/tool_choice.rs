@@ -278,7 +278,7 @@ fn a_splitter_close_to_a_blade_does_not_make_the_cutters_of_the_wide_passage_tin
         passages.iter().map(|p| PassageWidth::new(part, p).min_width(0.9)).fold(f64::INFINITY, f64::min)
     };
     let names_narrow = |resolved: &Resolved| {
-        resolved.reasons.iter().flatten().any(|reason| reason.contains("beside much wider ones"))
+        resolved.reasons.iter().flatten().any(|reason| reason.contains("without regard to a passage"))
     };
     let (inside, close) = (with_splitters_at(-30.0), with_splitters_at(-18.0));
     assert!(narrowest(&close) < 1.5 && narrowest(&inside) > 5.0);
@@ -287,6 +287,52 @@ fn a_splitter_close_to_a_blade_does_not_make_the_cutters_of_the_wide_passage_tin
     assert!(names_narrow(&resolved), "{:?}", resolved.reasons);
     let resolved = chosen(&inside, &Setup::default());
     assert!(!names_narrow(&resolved), "every passage counts: {:?}", resolved.reasons);
+}
+
+/// A wheel whose walls lean so far at the rim that they come close there; its channels are 60 mm and more
+/// deep.
+const CLOSE_AT_THE_RIM: &str = r#"
+name = "close"
+blades = 11
+[hub]
+control = [[30.15, 0], [30.15, 58.05], [77.29, 93.63], [148, 93.63]]
+[shroud]
+control = [[90.89, 0], [90.89, 50.03], [110.88, 80.7], [148, 80.7]]
+[[main.span]]
+span = 0.0
+leading_edge = 0.06
+theta_leading_edge = 0.0
+angle = [[0.0, 31.08], [1.0, 29.44]]
+thickness = [[0.0, 2.84], [1.0, 2.13]]
+[[main.span]]
+span = 1.0
+leading_edge = 0.06
+theta_leading_edge = 0.0
+angle = [[0.0, 49.74], [1.0, 29.44]]
+thickness = [[0.0, 1.07], [1.0, 1.42]]
+[[splitter.span]]
+span = 0.0
+leading_edge = 0.42
+theta_leading_edge = 16.364
+angle = [[0.0, 31.08], [1.0, 29.44]]
+thickness = [[0.0, 2.84], [1.0, 2.13]]
+[[splitter.span]]
+span = 1.0
+leading_edge = 0.42
+theta_leading_edge = 16.364
+angle = [[0.0, 49.74], [1.0, 29.44]]
+thickness = [[0.0, 1.07], [1.0, 1.42]]
+"#;
+
+#[test]
+fn walls_close_to_each_other_at_the_rim_do_not_make_cutters_too_short_for_the_inlet() {
+    let part = part_of(CLOSE_AT_THE_RIM);
+    let resolved = chosen(&part, &Setup::default());
+    let innermost = resolved.setup.plunge.sections.iter().find(|section| section.to == 0.0);
+    let number = innermost.expect("a section at the inlet").tool;
+    let tool = resolved.setup.tools.iter().find(|tool| tool.number == number).expect("its tool");
+    let depth = part.hub.point(0.0).distance(part.shroud.point(0.0));
+    assert!(tool.overhang >= depth, "D {}, {} mm long, in {depth} mm", tool.diameter, tool.overhang);
 }
 
 #[test]

@@ -412,8 +412,13 @@ fn diameters_of_the_library_filter_are_refused_with_the_cure() {
     };
     let all = count(&window);
     type_into(&mut window, ("Ø", 0), "2000");
-    assert!(says(&window, "2000 is too much: at most 1000, the greatest that is shown"));
+    let reason = "2000 is too much: at most 1000, the greatest that is shown";
+    assert!(says(&window, reason));
     assert_eq!(all, count(&window));
+    let title = window.get_by_label("Shop library").rect().center();
+    press(&mut window, title);
+    window.run_steps(3);
+    assert!(!says(&window, reason), "it covers nothing that is looked at next");
 }
 
 #[test]

@@ -46,6 +46,29 @@ fn escape_closes_the_window_in_front_before_it_cancels_the_calculation() {
 }
 
 #[test]
+fn escape_ends_the_typing_in_a_field_before_it_closes_the_window() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 1700.0));
+    window.run_steps(3);
+    window.get_by_label("Shop library…").click();
+    settle(&mut window);
+    let field = window.get_all_by_role_and_label(Role::SpinButton, "Ø").next().expect("a field").rect();
+    harness::press(&mut window, field.center());
+    window.run_steps(2);
+    window.event(egui::Event::Text("75".to_owned()));
+    window.run_steps(2);
+    assert!(window.ctx.text_edit_focused(), "it is typed in");
+    let is_open =
+        |window: &harness::Window| window.state().state().look.panels.is_open(DockPanel::ToolLibrary);
+    for still_open in [true, false] {
+        window.key_press(egui::Key::Escape);
+        window.run_steps(3);
+        assert_eq!(is_open(&window), still_open);
+    }
+}
+
+#[test]
 fn a_window_that_is_clicked_comes_above_the_messages_and_a_new_one_above_it() {
     let folder = tempfile::tempdir().expect("a folder");
     let (engine, _) = fake::engine();

@@ -17,11 +17,10 @@ pub(in crate::app) fn is_typing(ctx: &Context) -> bool {
 
 impl App {
     /// Closes the window in front if Escape was pressed; `true` while there is one, which has that key first.
-    /// A field that is typed in gives up the focus before its window closes, and a search in the window in
-    /// front is cancelled first.
-    pub(in crate::app) fn escape_closes_window(&mut self, ctx: &Context) -> bool {
+    /// A field that is typed in ([`is_typing`]) gives up the focus before its window closes, and a search in
+    /// the window in front is cancelled first.
+    pub(in crate::app) fn escape_closes_window(&mut self, ctx: &Context, typing: bool) -> bool {
         let Some(front) = dock::in_front(ctx, &self.state.look.panels) else { return false };
-        let typing = ctx.text_edit_focused();
         if !typing && ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape)) {
             if front == DockPanel::Tradeoff && self.weighing.is_busy() {
                 self.cancel_curve();

@@ -121,9 +121,31 @@ pub fn limited_field<N: egui::emath::Numeric>(
 struct Note {
     text: String,
     value: f64,
-    /// Of a text that was not taken, the number of texts that were typed up to it: the next one ends the
-    /// note.
-    refused: Option<TypedCount>,
+    /// Of a text that was not taken, when that was.
+    refused: Option<Refusal>,
+}
+
+/// When a text was not taken. What is said of it ends with the next text that is typed anywhere, and with the
+/// next press beside the field: it lies over what else is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Refusal {
+    /// How many texts were typed up to it.
+    count: TypedCount,
+    /// Its frame: the press that left the field is no later one.
+    frame: u64,
+}
+
+impl Refusal {
+    /// Whether what is said of it at the box `at` of the field is over.
+    fn is_over(self, ui: &Ui, at: Rect) -> bool {
+        let pressed_beside = || {
+            ui.input(|input| {
+                let pointer = &input.pointer;
+                pointer.any_pressed() && pointer.interact_pos().is_some_and(|place| !at.contains(place))
+            })
+        };
+        self.count != typed_count(ui) || ui.ctx().cumulative_frame_nr() > self.frame && pressed_beside()
+    }
 }
 
 /// How many texts were typed into fields.
@@ -160,12 +182,13 @@ pub fn keep(ui: &Ui, form: Id, label: &str, value: f64, typed: Typed) {
         return;
     }
     let count = TypedCount(typed_count(ui).0 + 1);
+    let frame = ui.ctx().cumulative_frame_nr();
     let key = key(form, label);
     ui.data_mut(|data| {
         data.insert_temp(Id::unique("count of typed values"), count);
         match typed {
             Typed::Refused(text) => {
-                data.insert_temp(key, Note { text, value, refused: Some(count) });
+                data.insert_temp(key, Note { text, value, refused: Some(Refusal { count, frame }) });
             }
             Typed::Taken => data.remove::<Note>(key),
             // With the count, a text that was refused is over.
@@ -185,7 +208,7 @@ pub fn say(ui: &Ui, form: Id, label: &str, value: f64, text: String) {
 pub fn show(ui: &mut Ui, form: Id, label: &str, value: f64, at: Rect) {
     let key = key(form, label);
     let Some(note) = ui.data(|data| data.get_temp::<Note>(key)) else { return };
-    if note.value != value || note.refused.is_some_and(|count| count != typed_count(ui)) {
+    if note.value != value || note.refused.is_some_and(|refusal| refusal.is_over(ui, at)) {
         ui.data_mut(|data| data.remove::<Note>(key));
         return;
     }

@@ -11,4 +11,6 @@ pub struct ChosenSection {
     pub reason: String,
     /// Estimated number of places in its rows; 0 without rows.
     pub places: f64,
+    /// Number of stations at which its tool is wider than the passage or too short for it.
+    pub misfits: u32,
 }

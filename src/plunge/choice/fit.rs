@@ -1,6 +1,6 @@
 //! Rules for whether a cutter fits at a station of the channel.
 
-use crate::plunge::survey::SurveyStation;
+use crate::plunge::survey::{PassageExtent, SurveyStation};
 use crate::setup::{AllowanceSetup, Tool};
 
 /// Width between the allowances that a cutter needs to be inclined, in diameters.
@@ -49,6 +49,11 @@ impl Rules {
     /// Overhang that a tool needs at a station, mm.
     pub fn overhang(&self, station: &SurveyStation) -> f64 {
         LEAN_LENGTH * station.deepest + self.safety_distance
+    }
+
+    /// Whether `tool` is no wider than a passage and reaches its hub along the isoparametric axis.
+    pub fn reaches(&self, tool: &Tool, across: &PassageExtent) -> bool {
+        tool.diameter <= self.free_width(across.narrowest) && tool.overhang >= across.depth
     }
 
     /// How `tool` fits at a station.

@@ -58,6 +58,7 @@ pub fn choose(
         },
         reason: reasons.tell_section(index),
         places: estimator.places(candidates[stretch.tool], stretch.from, stretch.to),
+        misfits: estimator.stretch(candidates[stretch.tool], stretch.from, stretch.to).misfits,
     });
     sections.collect()
 }

@@ -65,7 +65,7 @@ pub fn choose_opening(
         cut_direction: None,
         kind: SectionKind::Opening,
     };
-    Some(ChosenSection { section, reason, places: 0.0 })
+    Some(ChosenSection { section, reason, places: 0.0, misfits: 0 })
 }
 
 /// Greatest height of stock above a tip, mm.

@@ -93,7 +93,7 @@ impl Reasons<'_> {
     fn set_aside(&self, stretch: ToolStretch) -> Option<String> {
         let narrow = (stretch.to..=stretch.from).flat_map(|i| &self.station(i).narrow);
         let width = narrow.map(|across| across.narrowest).reduce(f64::min)?;
-        Some(format!("chosen without regard to a passage down to {width:.1} mm wide beside much wider ones"))
+        Some(format!("chosen without regard to a passage down to {width:.1} mm wide, too narrow or too deep"))
     }
 
     /// The rule of fit that the cutter breaks, if any.

@@ -66,7 +66,7 @@ pub fn rest_sections(
                  leaning walls; only with `minimal`; `rest = false` in [plunge] disables it",
                 main.diameter
             );
-            rest.push((tool, ChosenSection { section, reason, places: 0.0 }));
+            rest.push((tool, ChosenSection { section, reason, places: 0.0, misfits: 0 }));
         }
     }
     rest.sort_by(|a, b| b.0.diameter.total_cmp(&a.0.diameter));

@@ -212,6 +212,33 @@ fn a_limit_leaves_large_cutters_aside_but_never_all() {
 }
 
 #[test]
+fn a_passage_that_no_tool_reaches_does_not_decide_on_the_cutters_of_the_other() {
+    let setup = Setup::default();
+    let rules = Rules::new(&setup.allowances);
+    let mut survey = channel(&[30.0; 51], Some(20));
+    // Beside the splitter: a third as wide, and deeper than any tool for it is long.
+    for station in &mut survey.stations[20..] {
+        let beside = PassageExtent { passage: 2, narrowest: 10.0, depth: 60.0, ..station.passages[0] };
+        station.passages.push(beside);
+        station.narrowest = 10.0;
+    }
+    let tools = [tool(1, 20.0), Tool { overhang: 50.0, ..tool(2, 6.0) }];
+    let chosen = |survey: &Survey| choose(&tools, None, survey, &setup, MoveTimes::default());
+    assert_eq!(tools_of(&chosen(&survey))[0], 2, "of all passages only the narrow one counts");
+    let long = [tool(1, 20.0), Tool { overhang: 60.0, ..tool(2, 6.0) }];
+    let mut reached = survey.clone();
+    reached.set_inaccessible_aside(&long, &rules);
+    assert_eq!(reached.stations[50].passages.len(), 2, "a tool reaches its hub");
+    survey.set_inaccessible_aside(&tools, &rules);
+    assert_eq!(survey.stations[50].narrow.len(), 1);
+    let chosen = chosen(&survey);
+    assert_eq!(tools_of(&chosen)[0], 1);
+    assert!(chosen[0].reason.contains("without regard to a passage down to 10.0 mm wide"), "{chosen:?}");
+    survey.set_inaccessible_aside(&tools[..0], &rules);
+    assert!(survey.stations.iter().all(|station| !station.passages.is_empty()), "never all of them");
+}
+
+#[test]
 fn reasons_name_the_border_and_the_price_of_another_size() {
     let setup = Setup::default();
     let tools = [tool(1, 25.0), tool(2, 12.0), tool(3, 10.0)];
