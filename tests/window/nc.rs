@@ -131,7 +131,15 @@ fn a_plan_is_exported_for_the_machine_of_the_setup() {
     ask(&mut window);
     window.get_by_label("Export NC program");
     snapshot_ui(&mut window, "nc_program");
+    let place = |window: &Window| {
+        let of = |role, name| window.get_by_role_and_label(role, name).rect();
+        (of(Role::ComboBox, "Control"), of(Role::Button, "Save as…"))
+    };
+    let (control, save_as) = place(&window);
     choose_in_list(&mut window, "Control", "siemens");
+    let moved = place(&window);
+    assert_eq!(moved.0, control, "a field stays where it is");
+    assert_ne!(moved.1, save_as, "while the text below gets longer or shorter");
     choose_in_list(&mut window, "Output", "Rotary angles");
     window.get_by_role_and_label(Role::SpinButton, "Channels").set_value_accesskit(2.0);
     window.run_steps(2);

@@ -147,6 +147,27 @@ fn the_palette_finds_and_runs_commands() {
     window.key_press(egui::Key::Enter);
     window.run_steps(3);
     assert!(window.state().state().compare);
+
+    // So is that of each panel.
+    use vanecut::app::model::panels::DockPanel;
+    let is_open = |window: &Window, panel| window.state().state().look.panels.is_open(panel);
+    for (typed, panel) in [
+        ("setup panel", DockPanel::Setup),
+        ("rotary axes panel", DockPanel::Axes),
+        ("timeline panel", DockPanel::Timeline),
+        ("table panel", DockPanel::Table),
+        ("details panel", DockPanel::Details),
+        ("enlarged sectional", DockPanel::SectionalView),
+    ] {
+        let before = is_open(&window, panel);
+        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
+        window.run_steps(2);
+        window.event(egui::Event::Text(typed.to_owned()));
+        window.run_steps(2);
+        window.key_press(egui::Key::Enter);
+        window.run_steps(3);
+        assert_ne!(is_open(&window, panel), before, "{typed}");
+    }
 }
 
 /// A slow frame holds many keys: those behind Ctrl+K are words, and no commands.

@@ -320,6 +320,12 @@ impl App {
                 self.state.look.measure = Some(from.into_iter().collect());
             }
             C::Plots => self.switch_panel(ctx, DockPanel::Plots),
+            C::SetupPanel => self.switch_panel(ctx, DockPanel::Setup),
+            C::RotaryAxesPanel => self.switch_panel(ctx, DockPanel::Axes),
+            C::TimelinePanel => self.switch_panel(ctx, DockPanel::Timeline),
+            C::TablePanel => self.switch_panel(ctx, DockPanel::Table),
+            C::DetailsPanel => self.switch_panel(ctx, DockPanel::Details),
+            C::SectionalViewPanel => self.switch_panel(ctx, DockPanel::SectionalView),
             C::ResetLayout => look.panels.reset(),
             C::Hub => look.layers.hub ^= true,
             C::Blades => look.layers.blades ^= true,

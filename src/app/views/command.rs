@@ -178,6 +178,13 @@ commands! {
     CutRowLater "Cut row later" "Cuts the row of the selected plunge after the row after it" [];
     Plots "Plots along the row"
         "Shows lead angle, contact, stock, step, engaged arc and chip along the row of the selected position" [];
+    SetupPanel "Setup panel" "Shows or hides part, operations, and what they are planned with" [];
+    RotaryAxesPanel "Rotary axes panel" "Shows or hides the rotary axes of the machine over the program" [];
+    TimelinePanel "Timeline panel" "Shows or hides the timeline with the line of the program" [];
+    TablePanel "Table panel" "Shows or hides the table of positions, passes or faults" [];
+    DetailsPanel "Details panel" "Shows or hides what is known of the selected position" [];
+    SectionalViewPanel "Enlarged sectional view"
+        "Shows or hides the sectional view through the selected position, enlarged" [];
     ResetLayout "Reset layout" "Arranges all panels as at first" [];
     Hub "Hub" "Shows the hub with the residual stock on it" [];
     Blades "Blades" "Shows the blades" [];

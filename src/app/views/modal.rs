@@ -47,6 +47,8 @@ pub fn is_confirmed(ctx: &Context) -> bool {
 
 /// Least space around the content of a dialog, both sides together, points.
 const AROUND: f32 = 40.0;
+/// Upper edge of a dialog whose height changes while it is open, points.
+pub const TOP: f32 = 0.5 * AROUND;
 
 /// Draws the content of a dialog that is `width` points wide, or as wide as the window allows. It scrolls
 /// where the window is too low for it.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use egui::{ComboBox, Grid, Label, Modal, RichText, Ui};
+use egui::{Align2, ComboBox, Grid, Label, Modal, RichText, Ui};
 
 use super::channel_order;
 use super::count_field;
@@ -160,7 +160,9 @@ impl NcDialog {
             });
         };
         let id = egui::Id::unique("nc program");
-        let modal = Modal::new(id).show(ui.ctx(), |ui| modal::fitting(ui, 340.0, content));
+        // Its upper edge stays where it is when its text gets longer: a click is to meet what was aimed at.
+        let area = Modal::default_area(id).anchor(Align2::CENTER_TOP, [0.0, modal::TOP]);
+        let modal = Modal::new(id).area(area).show(ui.ctx(), |ui| modal::fitting(ui, 340.0, content));
         if let Some(chosen) = changed {
             self.take(chosen);
         }
