@@ -5,7 +5,6 @@ use std::collections::HashSet;
 
 use rayon::prelude::*;
 
-use super::choice::fit::Rules;
 use super::lane::Lane;
 use super::spacing::row_distance;
 use crate::cutting::assembly::AssemblySurroundings;
@@ -115,15 +114,12 @@ impl Survey {
         self.set_aside(|across| shares[across.passage] < NARROW_SHARE);
     }
 
-    /// Sets the passages aside in which none of `tools` fits anywhere and is long enough; see
-    /// [`SurveyStation::narrow`]. Where that is all of them none is.
-    pub fn set_inaccessible_aside(&mut self, tools: &[Tool], rules: &Rules) {
-        let passages = || self.stations.iter().flat_map(|station| &station.passages);
-        let within_reach = passages().filter(|across| tools.iter().any(|tool| rules.reaches(tool, across)));
-        let accessible: HashSet<usize> = within_reach.map(|across| across.passage).collect();
-        if accessible.is_empty() {
-            return;
-        }
+    /// Sets the passages aside that are nowhere `within_reach` of a tool; see [`SurveyStation::narrow`].
+    /// Where that is all of them none is.
+    pub fn set_inaccessible_aside(&mut self, within_reach: impl Fn(&PassageExtent) -> bool) {
+        let passages = self.stations.iter().flat_map(|station| &station.passages);
+        let accessible: HashSet<usize> =
+            passages.filter(|across| within_reach(across)).map(|across| across.passage).collect();
         self.set_aside(|across| !accessible.contains(&across.passage));
     }
 
@@ -133,9 +129,9 @@ impl Survey {
             if station.passages.iter().all(&is_aside) {
                 continue;
             }
-            let (aside, passages) = std::mem::take(&mut station.passages).into_iter().partition(&is_aside);
-            station.passages = passages;
-            let aside: Vec<PassageExtent> = aside;
+            let passages = std::mem::take(&mut station.passages).into_iter();
+            let (aside, others): (Vec<_>, Vec<_>) = passages.partition(&is_aside);
+            station.passages = others;
             station.narrow.extend(aside);
             station.narrowest =
                 station.passages.iter().map(|across| across.narrowest).fold(f64::INFINITY, f64::min);

@@ -51,9 +51,10 @@ impl Rules {
         LEAN_LENGTH * station.deepest + self.safety_distance
     }
 
-    /// Whether `tool` is no wider than a passage and reaches its hub along the isoparametric axis.
-    pub fn reaches(&self, tool: &Tool, across: &PassageExtent) -> bool {
-        tool.diameter <= self.free_width(across.narrowest) && tool.overhang >= across.depth
+    /// Whether some tool is no wider than a passage and reaches its hub along the isoparametric axis.
+    pub fn some_reaches(&self, tools: &[Tool], across: &PassageExtent) -> bool {
+        let free = self.free_width(across.narrowest);
+        tools.iter().any(|tool| tool.diameter <= free && tool.overhang >= across.depth)
     }
 
     /// How `tool` fits at a station.
