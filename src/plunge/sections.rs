@@ -157,19 +157,21 @@ fn choose_from_library(
         (chosen.iter().map(|chosen| chosen.places).sum::<f64>(), chosen)
     };
     let misfits = |chosen: &[ChosenSection]| chosen.iter().map(|chosen| chosen.misfits).sum::<u32>();
-    let (places, chosen) = by_share(SHARE_OF_THREE_ROWS);
-    let fits_worse = misfits(&chosen) > 0;
-    if places <= MANY_PLACES && !fits_worse {
-        return chosen;
+    let (places, mut best) = by_share(SHARE_OF_THREE_ROWS);
+    if places > MANY_PLACES || misfits(&best) > 0 {
+        let (places_of_two, chosen) = by_share(SHARE_OF_TWO_ROWS);
+        let is_shorter = places > MANY_PLACES && places_of_two < WORTH_TWO_ROWS * places;
+        if is_shorter || misfits(&chosen) < misfits(&best) {
+            best = chosen;
+        }
     }
-    let (places_of_two, chosen_of_two) = by_share(SHARE_OF_TWO_ROWS);
-    if fits_worse {
-        let (_, chosen_of_one) = by_share(f64::INFINITY);
-        // The first of the least: the smallest cutters of those that fit best.
-        let choices = [chosen, chosen_of_two, chosen_of_one];
-        return choices.into_iter().min_by_key(|chosen| misfits(chosen)).unwrap_or_default();
+    if misfits(&best) > 0 {
+        let (_, chosen) = by_share(f64::INFINITY);
+        if misfits(&chosen) < misfits(&best) {
+            best = chosen;
+        }
     }
-    if places_of_two < WORTH_TWO_ROWS * places { chosen_of_two } else { chosen }
+    best
 }
 
 /// Largest diameter to choose from a library, mm: at most this `share` of the free width at the outlet. The
