@@ -72,7 +72,7 @@ pub fn resolve(
     let mut reasons = vec![None; setup.plunge.sections.len()];
     if setup.plunge.sections.is_empty() {
         let rules = Rules::new(&setup.allowances);
-        survey.set_inaccessible_aside(|across| rules.some_reaches(&resolved.tools, across));
+        survey.set_inaccessible_aside(|across| rules.any_reaches(&resolved.tools, across));
         let tools = preselect(&resolved.tools, &survey, &rules, &setup.plunge);
         survey.try_cylinders(workpiece, &setup.allowances, &cylinders(&tools));
         survey.try_assemblies(workpiece, setup, &tools);

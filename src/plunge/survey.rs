@@ -64,7 +64,7 @@ pub struct SurveyStation {
     /// The passages that are set aside: all along less than a fifth as wide as the widest one beside them, as
     /// where a splitter stands close to a blade, or nowhere within reach of any tool. They are cut where the
     /// chosen cutters fit.
-    pub narrow: Vec<PassageExtent>,
+    pub aside: Vec<PassageExtent>,
 }
 
 /// The channel along s.
@@ -101,7 +101,7 @@ impl Survey {
         survey
     }
 
-    /// Sets the passages, of `count`, aside that are narrow all along; see [`SurveyStation::narrow`].
+    /// Sets the passages, of `count`, aside that are narrow all along; see [`SurveyStation::aside`].
     fn set_narrow_aside(&mut self, count: usize) {
         let mut shares = vec![0.0f64; count];
         for station in &self.stations {
@@ -114,7 +114,7 @@ impl Survey {
         self.set_aside(|across| shares[across.passage] < NARROW_SHARE);
     }
 
-    /// Sets the passages aside that are nowhere `within_reach` of a tool; see [`SurveyStation::narrow`].
+    /// Sets the passages aside that are nowhere `within_reach` of a tool; see [`SurveyStation::aside`].
     /// Where that is all of them none is.
     pub fn set_inaccessible_aside(&mut self, within_reach: impl Fn(&PassageExtent) -> bool) {
         let passages = self.stations.iter().flat_map(|station| &station.passages);
@@ -123,7 +123,7 @@ impl Survey {
         self.set_aside(|across| !accessible.contains(&across.passage));
     }
 
-    /// Moves passages to [`SurveyStation::narrow`], at each station at which another one remains.
+    /// Moves passages to [`SurveyStation::aside`], at each station at which another one remains.
     fn set_aside(&mut self, is_aside: impl Fn(&PassageExtent) -> bool) {
         for station in &mut self.stations {
             if station.passages.iter().all(&is_aside) {
@@ -132,7 +132,7 @@ impl Survey {
             let passages = std::mem::take(&mut station.passages).into_iter();
             let (aside, others): (Vec<_>, Vec<_>) = passages.partition(&is_aside);
             station.passages = others;
-            station.narrow.extend(aside);
+            station.aside.extend(aside);
             station.narrowest =
                 station.passages.iter().map(|across| across.narrowest).fold(f64::INFINITY, f64::min);
         }
@@ -243,7 +243,7 @@ impl<'a> Surveyor<'a> {
             clear_diameter: f64::INFINITY,
             hindered: Vec::new(),
             passages: Vec::new(),
-            narrow: Vec::new(),
+            aside: Vec::new(),
         };
         for index in self.channel.passages_at(s) {
             let (passage, width) = (&self.channel.passages[index], &self.widths[index]);

@@ -187,6 +187,16 @@ pub fn type_into(window: &mut Window, (field, number): (&str, usize), text: &str
     settle(window);
 }
 
+/// Runs the first command that is found by `words`.
+pub fn run_by_search(window: &mut Window, words: &str) {
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
+    window.run_steps(2);
+    window.event(egui::Event::Text(words.to_owned()));
+    window.run_steps(3);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+}
+
 /// Presses keys within one frame, as in a window that is drawn slowly.
 pub fn press_at_once(window: &mut Window, keys: impl IntoIterator<Item = egui::Key>) {
     let events = keys.into_iter().flat_map(|key| {

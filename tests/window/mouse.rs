@@ -8,7 +8,7 @@ use vanecut::app::model::mouse_preset::MousePreset;
 use vanecut::gpu::camera::Camera;
 
 use crate::fake;
-use crate::harness::{Window, settle, snapshot_view, window, with_sample, words};
+use crate::harness::{Window, run_by_search, settle, snapshot_view, window, with_sample, words};
 
 fn button(window: &mut Window, pos: Pos2, button: PointerButton, modifiers: Modifiers, pressed: bool) {
     window.event(Event::PointerButton { pos, button, pressed, modifiers });
@@ -79,12 +79,7 @@ fn the_mouse_takes_other_habits_from_menu_and_palette_and_keeps_them() {
     window.run_steps(3);
     assert!(turned(drag(&mut window, Primary, Modifiers::ALT)), "without a middle button");
 
-    window.key_press_modifiers(Modifiers::COMMAND, egui::Key::K);
-    window.run_steps(2);
-    window.event(Event::Text("onshape".to_owned()));
-    window.run_steps(2);
-    window.key_press(egui::Key::Enter);
-    window.run_steps(3);
+    run_by_search(&mut window, "onshape");
     assert!(turned(drag(&mut window, Secondary, Modifiers::NONE)));
     assert!(window.query_by_label("Measure from here").is_none(), "a drag opens no menu");
 

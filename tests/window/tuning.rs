@@ -8,7 +8,7 @@ use vanecut::app::model::file_purpose::Purpose;
 use vanecut::setup::Setup;
 
 use crate::fake;
-use crate::harness::{Window, press, settle, snapshot_view, with_sample};
+use crate::harness::{Window, press, run_by_search, settle, snapshot_view, with_sample};
 
 #[test]
 fn a_slider_is_followed_live_and_stale_results_say_so() {
@@ -140,12 +140,7 @@ fn the_palette_finds_and_runs_commands() {
 
     // The switch of a panel is a command, too.
     assert!(!window.state().state().compare);
-    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
-    window.run_steps(2);
-    window.event(egui::Event::Text("compare all".to_owned()));
-    window.run_steps(3);
-    window.key_press(egui::Key::Enter);
-    window.run_steps(3);
+    run_by_search(&mut window, "compare all");
     assert!(window.state().state().compare);
 
     // So is that of each panel.
@@ -160,12 +155,7 @@ fn the_palette_finds_and_runs_commands() {
         ("enlarged sectional", DockPanel::SectionalView),
     ] {
         let before = is_open(&window, panel);
-        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
-        window.run_steps(2);
-        window.event(egui::Event::Text(typed.to_owned()));
-        window.run_steps(2);
-        window.key_press(egui::Key::Enter);
-        window.run_steps(3);
+        run_by_search(&mut window, typed);
         assert_ne!(is_open(&window, panel), before, "{typed}");
     }
 }

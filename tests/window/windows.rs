@@ -17,12 +17,7 @@ fn escape_closes_the_window_in_front_before_it_cancels_the_calculation() {
     window.run_steps(3);
     settle(&mut window);
     window.get_by_label("Machinability");
-    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
-    window.run_steps(2);
-    window.event(egui::Event::Text("shop library".to_owned()));
-    window.run_steps(2);
-    window.key_press(egui::Key::Enter);
-    window.run_steps(3);
+    harness::run_by_search(&mut window, "shop library");
     window.get_by_label("Shop library");
     slow.store(true, Ordering::SeqCst);
     window.key_press(egui::Key::F5);

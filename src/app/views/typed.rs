@@ -125,13 +125,14 @@ struct Note {
     refused: Option<Refusal>,
 }
 
-/// When a text was not taken. What is said of it ends with the next text that is typed anywhere, and with the
-/// next press beside the field: it lies over what else is looked at.
+/// When a text was not taken. The reason disappears when another text is typed anywhere, or when the pointer
+/// is pressed outside the field: it covers other parts of the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Refusal {
     /// How many texts were typed up to it.
     count: TypedCount,
-    /// Its frame: the press that left the field is no later one.
+    /// The frame in which it was refused: the press that moved the focus out of the field falls in it, and
+    /// does not count.
     frame: u64,
 }
 

@@ -51,8 +51,9 @@ impl Rules {
         LEAN_LENGTH * station.deepest + self.safety_distance
     }
 
-    /// Whether some tool is no wider than a passage and reaches its hub along the isoparametric axis.
-    pub fn some_reaches(&self, tools: &[Tool], across: &PassageExtent) -> bool {
+    /// Whether any of `tools` fits between the walls of a passage, inside the allowances, and is long enough
+    /// to reach its hub along the isoparametric axis.
+    pub fn any_reaches(&self, tools: &[Tool], across: &PassageExtent) -> bool {
         let free = self.free_width(across.narrowest);
         tools.iter().any(|tool| tool.diameter <= free && tool.overhang >= across.depth)
     }

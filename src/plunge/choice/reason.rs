@@ -91,8 +91,8 @@ impl Reasons<'_> {
 
     /// The passages that the choice does not go by, if any.
     fn set_aside(&self, stretch: ToolStretch) -> Option<String> {
-        let narrow = (stretch.to..=stretch.from).flat_map(|i| &self.station(i).narrow);
-        let width = narrow.map(|across| across.narrowest).reduce(f64::min)?;
+        let aside = (stretch.to..=stretch.from).flat_map(|i| &self.station(i).aside);
+        let width = aside.map(|across| across.narrowest).reduce(f64::min)?;
         Some(format!("chosen without regard to a passage down to {width:.1} mm wide, too narrow or too deep"))
     }
 

@@ -37,7 +37,7 @@ fn channel(widths: &[f64], joint: Option<usize>) -> Survey {
                 advance: 200.0,
                 turn_rad: 1.0,
             }],
-            narrow: Vec::new(),
+            aside: Vec::new(),
         }
     };
     Survey { stations: widths.iter().enumerate().map(station).collect(), joints: joint.into_iter().collect() }
@@ -227,10 +227,10 @@ fn a_passage_that_no_tool_reaches_does_not_decide_on_the_cutters_of_the_other() 
     assert_eq!(tools_of(&chosen(&survey))[0], 2, "of all passages only the narrow one counts");
     let long = [tool(1, 20.0), Tool { overhang: 60.0, ..tool(2, 6.0) }];
     let mut reached = survey.clone();
-    reached.set_inaccessible_aside(|across| rules.some_reaches(&long, across));
+    reached.set_inaccessible_aside(|across| rules.any_reaches(&long, across));
     assert_eq!(reached.stations[50].passages.len(), 2, "a tool reaches its hub");
-    survey.set_inaccessible_aside(|across| rules.some_reaches(&tools, across));
-    assert_eq!(survey.stations[50].narrow.len(), 1);
+    survey.set_inaccessible_aside(|across| rules.any_reaches(&tools, across));
+    assert_eq!(survey.stations[50].aside.len(), 1);
     let chosen = chosen(&survey);
     assert_eq!(tools_of(&chosen)[0], 1);
     assert!(chosen[0].reason.contains("without regard to a passage down to 10.0 mm wide"), "{chosen:?}");

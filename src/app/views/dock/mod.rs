@@ -267,7 +267,7 @@ impl App {
         }
     }
 
-    /// Shows or hides a panel. If there is no room for it where it is docked, it opens in its own window.
+    /// Shows or hides a panel. A docked panel without enough room opens in a window of its own.
     pub(in crate::app) fn switch_panel(&mut self, ctx: &Context, panel: DockPanel) {
         let is_docked = !self.state.look.panels.state(panel).is_floating;
         if is_docked && self.dock.without_room.contains(&panel) {
